@@ -1,0 +1,84 @@
+# One static library a room: kino_library(sensor DEPENDS kino::base PRIVATE ...) compiles every .cpp
+# of the folder into kino_sensor with the alias kino::sensor. A room's dependencies are named in
+# this one call and nowhere else.
+
+function(kino_compile_options target)
+  target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+    -Wno-sign-conversion -Werror)
+  # Bit-exact replays need one meaning for a*b+c: contraction only where a file asks for it.
+  target_compile_options(${target} PRIVATE -ffp-contract=off)
+  if(KINO_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${KINO_SANITIZE} -fno-omit-frame-pointer
+      -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${KINO_SANITIZE})
+  endif()
+  # Files named *_avx2.cpp hold the SIMD twins of portable code and are reached only after a
+  # run-time check of the processor; they include nothing that has inline functions of its own.
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    if(source MATCHES "_avx2\\.cpp$")
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma")
+    endif()
+  endforeach()
+endfunction()
+
+function(kino_library name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  if(NOT sources)
+    add_library(kino_${name} INTERFACE)
+    target_include_directories(kino_${name} INTERFACE ${CMAKE_SOURCE_DIR})
+    target_link_libraries(kino_${name} INTERFACE ${ARG_DEPENDS})
+  else()
+    add_library(kino_${name} STATIC ${sources})
+    kino_compile_options(kino_${name})
+    target_link_libraries(kino_${name} PUBLIC ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE})
+  endif()
+  add_library(kino::${name} ALIAS kino_${name})
+endfunction()
+
+# kino_program(kinoscope SOURCES a.cpp DEPENDS ...): an installed executable.
+function(kino_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  kino_compile_options(${name})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
+# kino_shaders(TARGET dir/a.comp ...): compiles GLSL to SPIR-V at build time and embeds it as
+# <name>_<stage>.inc (a list of numbers), with a true dependency file for shared headers.
+function(kino_shaders target)
+  foreach(shader IN LISTS ARGN)
+    get_filename_component(file ${shader} NAME)
+    string(REPLACE "." "_" symbol ${file})
+    set(out ${CMAKE_CURRENT_BINARY_DIR}/shaders/${symbol}.inc)
+    add_custom_command(OUTPUT ${out}
+      COMMAND glslc --target-env=vulkan1.3 -O -MD -MF ${out}.d -mfmt=num
+              -I ${CMAKE_SOURCE_DIR} -o ${out} ${CMAKE_CURRENT_SOURCE_DIR}/${shader}
+      DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${shader} DEPFILE ${out}.d
+      COMMENT "glslc ${shader}" VERBATIM)
+    target_sources(${target} PRIVATE ${out})
+  endforeach()
+  file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/shaders)
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/shaders)
+endfunction()
+
+# kino_test(sensor LABELS unit DEPENDS kino::sensor): one GoogleTest program from *_test.cpp of the
+# folder, one ctest entry.
+function(kino_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(${name}_test ${sources})
+  kino_compile_options(${name}_test)
+  target_link_libraries(${name}_test PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
+  add_test(NAME ${name} COMMAND ${name}_test WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()
