@@ -1,0 +1,28 @@
+#include "apps/bench/registry.h"
+
+#include <iterator>
+
+namespace kino::bench {
+
+namespace {
+void no_entry(BenchContext&) {}
+
+// The last one only keeps the array from being empty in a build without entries.
+constexpr Entry kEntries[] = {
+#ifdef KINO_BENCH_RASTER
+    {"raster", "drawing paths against the hardware path and the double-precision rasteriser",
+     &bench_raster},
+#endif
+#ifdef KINO_BENCH_REGISTRATION
+    {"registration", "depth to colour against the double reference and OpenCV",
+     &bench_registration},
+#endif
+    {"", "", &no_entry},
+};
+}  // namespace
+
+std::span<const Entry> entries() {
+    return std::span(kEntries).first(std::size(kEntries) - 1);
+}
+
+}  // namespace kino::bench

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "apps/bench/bench.h"
+
+namespace kino {
+
+// The entries; each is defined in the file of its name.
+void bench_raster(BenchContext& context);
+void bench_registration(BenchContext& context);
+
+namespace bench {
+
+struct Entry {
+    std::string_view name;
+    std::string_view description;
+    void (*run)(BenchContext&);
+};
+
+/// All entries of this build, by name.
+[[nodiscard]] std::span<const Entry> entries();
+
+}  // namespace bench
+}  // namespace kino
