@@ -25,7 +25,7 @@ struct ImageDifference {
     std::int64_t failing_pixels = 0;
     double failing_fraction = 0;  ///< of all pixels
     double rmse = 0;              ///< over r, g, b, in 1/255, without shift
-    double psnr_db = 0;  ///< 20 log10(255 / rmse); infinity for equal pictures
+    double psnr_db = 0;           ///< 20 log10(255 / rmse); infinity for equal pictures
 
     [[nodiscard]] bool equal() const { return max_abs == std::array<int, 4>{}; }
     [[nodiscard]] int max_abs_any() const;
