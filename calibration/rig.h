@@ -13,8 +13,9 @@
 namespace kino {
 
 /// A point in the colour image in fixed point: value / 2^kUvFractionBits pixels, pixel centres at
-/// integers. 1/16 px keeps 16 bits enough for 4095 px wide colour; rounding costs at most 0.031 px
-/// an axis.
+/// integers. 1/16 px keeps 16 bits enough for 4096 px wide colour; rounding costs at most 0.031 px
+/// an axis. Points in the outer half of a border pixel are moved to that pixel's centre, which any
+/// sampler that clamps to the edge reads as the same colour.
 struct ColorUv {
     std::uint16_t u = 0xFFFF;
     std::uint16_t v = 0xFFFF;
@@ -30,8 +31,9 @@ struct RegisteredDepth {
     /// Where each depth pixel lies in the colour image; invalid where there is no reading, no
     /// colour camera, the point falls outside, or something nearer hides it from that camera.
     Image<ColorUv> uv;
-    /// The depth frame seen from the colour camera, metres, 0 = nothing there; nearest wins.
-    /// Empty unless the Rig has a colour camera.
+    /// The depth frame seen from the colour camera, metres, 0 = nothing there; nearest wins. Each
+    /// depth pixel fills the one colour pixel it falls into. Empty unless the Rig has a colour
+    /// camera.
     Image<float> depth_in_color_m;
 };
 
@@ -43,9 +45,13 @@ struct RayXy {
 
 struct RigOptions {
     /// Colour is refused where the point lies this far, plus two quantisation steps, behind the
-    /// nearest one seen there.
+    /// nearest one seen there. "There" is a colour pixel, or a square of as many as one depth pixel
+    /// covers at equal range (focal lengths' ratio less 0.1, rounded up): a surface seen by a finer
+    /// colour camera must not let what is behind it shine through between its points.
     double occlusion_margin_m = 0.03;
     bool occlusion_test = true;
+    /// False: the portable code even where the processor has AVX2. Same bits, more time.
+    bool simd = true;
 };
 
 /// The one owner of depth-to-colour registration: built once per calibration, then used for every
@@ -53,7 +59,8 @@ struct RigOptions {
 /// first frame nothing is allocated.
 class Rig {
   public:
-    /// Fails where validate(parameters) does.
+    /// Fails where validate(parameters) does, for colour wider or higher than ColorUv can say, and
+    /// for an occlusion margin that is negative or not finite.
     [[nodiscard]] static Result<Rig> create(RigParameters parameters, RigOptions options = {});
     ~Rig();
     Rig(Rig&&) noexcept;
@@ -61,7 +68,9 @@ class Rig {
 
     [[nodiscard]] const RigParameters& parameters() const;
 
-    /// Fills `out`. Fails if the frame's size is not the depth camera's.
+    /// Fills `out`. Linear raw 0 and 65535, disparity 2047 and above, and everything outside the
+    /// parameters' range are no reading. Fails if the frame's size is not the depth camera's or its
+    /// unit is not a positive number.
     [[nodiscard]] Result<void> register_depth(const DepthFrame& frame, RegisteredDepth& out);
 
     /// Rays of the depth camera, one a pixel; NaN where the distortion has no inverse.
