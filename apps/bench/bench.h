@@ -16,14 +16,14 @@ constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 /// One line of the table, in the order of the CSV columns. A number that was not measured is NaN
 /// and stays empty in the file.
 struct BenchRow {
-    std::string case_name;  ///< what was worked on, e.g. "orbit 1280x720"
-    std::string knob;       ///< what is turned, e.g. "path" or "iterations"
-    std::string level;      ///< its setting in this row, e.g. "compute splat" or "3"
+    std::string case_name{};  ///< what was worked on, e.g. "orbit 1280x720"
+    std::string knob{};       ///< what is turned, e.g. "path" or "iterations"
+    std::string level{};      ///< its setting in this row, e.g. "compute splat" or "3"
     double ms_median = kNotMeasured;
     double ms_p95 = kNotMeasured;
     double error = kNotMeasured;    ///< against the reference, in the unit `metric` names
-    std::string metric;             ///< e.g. "px RMS", "m max", "share of pixels"
-    std::string baseline;           ///< level that `speedup` refers to; may be empty
+    std::string metric{};           ///< e.g. "px RMS", "m max", "share of pixels"
+    std::string baseline{};         ///< level that `speedup` refers to; may be empty
     double speedup = kNotMeasured;  ///< median of paired ratios, over 1 = faster than baseline
 };
 

@@ -156,7 +156,7 @@ Result<void> write_plot(const BenchContext& bench, const std::filesystem::path& 
         return fail("gnuplot is not installed, so there is no plot", svg,
                     "apt-get install gnuplot-nox, or leave out --docs");
     }
-    FILE* gnuplot = popen("gnuplot -", "w");
+    FILE* gnuplot = popen("gnuplot - >/dev/null", "w");
     if (gnuplot == nullptr) return fail("cannot start gnuplot", svg);
     const bool written = std::fwrite(program.data(), 1, program.size(), gnuplot) == program.size();
     const int status = pclose(gnuplot);

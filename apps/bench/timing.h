@@ -12,8 +12,8 @@ namespace kino::bench {
 /// One way of doing the work that is compared.
 struct Candidate {
     std::string name;
-    std::function<void()> run;      ///< what is timed; for the GPU: submit and wait for the fence
-    std::function<void()> prepare;  ///< not timed, before every run; may be empty
+    std::function<void()> run;        ///< what is timed; for the GPU: submit and wait for the fence
+    std::function<void()> prepare{};  ///< not timed, before every run; may be empty
 };
 
 struct RepeatOptions {

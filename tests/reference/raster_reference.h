@@ -15,7 +15,7 @@ namespace kino::reference {
 /// A coloured point. `position` is in whatever space RasterCamera takes, metres.
 struct RasterPoint {
     glm::dvec3 position{0, 0, 0};
-    Rgba8 color;
+    Rgba8 color{};
 };
 
 /// Three indices into the points. Both faces are drawn.
