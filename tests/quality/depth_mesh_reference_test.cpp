@@ -56,6 +56,7 @@ TEST(DepthGridTriangles, AcrossAValidityEdge) {
         EXPECT_THAT(depth_grid_triangles(depth, kFixed),
                     ElementsAre(RasterTriangle{0, 1, 3}, RasterTriangle{5, 8, 7}))
             << hole;
+        EXPECT_THAT(depth_grid_triangles(Image<float>(2, 2, hole), kFixed), IsEmpty()) << hole;
     }
 }
 

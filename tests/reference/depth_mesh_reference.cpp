@@ -24,7 +24,8 @@ std::vector<RasterTriangle> depth_grid_triangles(const Image<float>& depth_m,
     const auto add_if_whole = [&](const RasterTriangle& triangle) {
         const std::array<double, 3> z{depth(triangle[0]), depth(triangle[1]), depth(triangle[2])};
         for (const double reading : z) {
-            if (!(reading > kNearestValidDepthM) || !std::isfinite(reading)) return;
+            if (!(reading > static_cast<double>(kNearestValidDepthM)) || !std::isfinite(reading))
+                return;
         }
         const double largest_step =
             std::max({std::abs(z[0] - z[1]), std::abs(z[1] - z[2]), std::abs(z[2] - z[0])});

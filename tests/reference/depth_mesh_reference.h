@@ -20,8 +20,8 @@ struct EdgeTest {
     [[nodiscard]] double threshold_m(double nearest_m) const;
 };
 
-/// Readings up to this are no readings.
-constexpr double kNearestValidDepthM = 0.1;
+/// Readings up to this are no readings; a float, because depth images hold floats.
+constexpr float kNearestValidDepthM = 0.1f;
 
 /// Triangles of the pixel grid, two a cell: (00, 10, 01) and (10, 11, 01), where 10 is one pixel
 /// to the right of 00 and 01 one below. A triangle is kept iff its three depths are valid and its
