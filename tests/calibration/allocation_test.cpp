@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "calibration/color_in_depth.h"
+#include "calibration/depth_points.h"
+#include "calibration/rig.h"
+#include "tests/calibration/rig_samples.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+// Replaced for the whole test program: every allocation is counted.
+void* operator new(std::size_t size) {
+    ++allocations;
+    if (void* p = std::malloc(size > 0 ? size : 1)) return p;
+    throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept {
+    std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+    std::free(p);
+}
+
+namespace kino {
+namespace {
+
+TEST(Rig, NothingIsAllocatedAfterTheFirstFrame) {
+    RigSamples samples(1);
+    for (const int color_scale : {0, 1, 2}) {
+        RigParameters parameters = samples.rig(160, 120);
+        if (color_scale == 0) parameters.color.reset();
+        if (color_scale == 2) parameters.color = samples.camera(320, 240);
+        const Image<Rgba8> color(160 * color_scale, 120 * color_scale);
+        Rig rig = Rig::create(parameters).value();
+        RegisteredDepth out;
+        Image<glm::vec3> points;
+        Image<Rgba8> in_depth;
+        DepthFrame frames[] = {samples.room(160, 120), samples.room(160, 120),
+                               samples.room(160, 120)};
+        frames[2].unit = DepthUnit::kinect_disparity11;
+        const long before_first = allocations;
+        long after_first = 0;
+        for (int i = 0; i < 6; ++i) {
+            const bool registered = rig.register_depth(frames[i % 3], out).has_value();
+            unproject_depth(out.depth_m, rig.depth_rays(), points);
+            register_color(out.uv, color, ColorSampling::bilinear, in_depth);
+            if (i == 0) after_first = allocations;
+            if (!registered) FAIL();
+        }
+        EXPECT_GT(after_first, before_first);  // the counter counts
+        EXPECT_EQ(allocations, after_first);
+    }
+}
+
+}  // namespace
+}  // namespace kino
