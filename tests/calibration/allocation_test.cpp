@@ -13,16 +13,17 @@ namespace {
 std::atomic<long> allocations{0};
 }
 
-// Replaced for the whole test program: every allocation is counted.
-void* operator new(std::size_t size) {
+// Replaced for the whole test program: every allocation is counted. Not inlined, or the compiler
+// sees malloc and delete meet and warns.
+[[gnu::noinline]] void* operator new(std::size_t size) {
     ++allocations;
     if (void* p = std::malloc(size > 0 ? size : 1)) return p;
     throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept {
+[[gnu::noinline]] void operator delete(void* p) noexcept {
     std::free(p);
 }
-void operator delete(void* p, std::size_t) noexcept {
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
     std::free(p);
 }
 
