@@ -5,7 +5,7 @@
 function(kino_compile_options target)
   target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-    -Wno-sign-conversion -Werror)
+    -Wno-sign-conversion -Wno-missing-field-initializers -Werror)
   # Bit-exact replays need one meaning for a*b+c: contraction only where a file asks for it.
   target_compile_options(${target} PRIVATE -ffp-contract=off)
   if(KINO_SANITIZE)

@@ -1,0 +1,221 @@
+#include "viz/frame/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "base/check.h"
+#include "viz/effects/skeleton/skeleton.h"
+#include "viz/light/light_passes.h"
+
+namespace kino {
+namespace {
+
+using graph::BufferId;
+using graph::FrameGraph;
+using graph::PassBuilder;
+using graph::PassContext;
+using graph::TextureId;
+using graph::Use;
+
+std::uint32_t pack_srgb(const glm::vec3& color) {
+    const auto byte = [](float v) {
+        return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
+    };
+    return byte(color.r) | byte(color.g) << 8 | byte(color.b) << 16 | 0xFF000000u;
+}
+
+/// Copies a rectangle of a texture to the front of a host-visible buffer.
+void add_readback(FrameGraph& graph, const char* name, TextureId texture, VkOffset2D from,
+                  VkExtent2D extent, const gpu::Buffer& into) {
+    BufferId host = graph.import_buffer(name, into);
+    const auto execute = [=](PassContext& c) {
+        const VkBufferImageCopy region{
+            .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
+            .imageOffset = {from.x, from.y, 0},
+            .imageExtent = {extent.width, extent.height, 1}};
+        vkCmdCopyImageToBuffer(c.commands().handle(), c.image(texture), VK_IMAGE_LAYOUT_GENERAL,
+                               c.buffer(host), 1, &region);
+    };
+    graph.add_pass(
+        name, "readback",
+        [&](PassBuilder& b) {
+            b.read(texture, Use::transfer_read);
+            host = b.write(host, Use::transfer_write);
+        },
+        execute);
+    graph.require(host);
+}
+
+Result<void> fit(gpu::Device& device, gpu::Buffer& buffer, const char* name, std::uint64_t bytes) {
+    if (buffer.bytes() >= bytes) return {};
+    buffer = gpu::Buffer();
+    KINO_ASSIGN(buffer, gpu::Buffer::create(device, name, bytes, gpu::MemoryUse::readback));
+    return {};
+}
+
+template <class T>
+void copy_out(const gpu::Buffer& buffer, int width, int height, Image<T>& out) {
+    out.resize(width, height);
+    std::memcpy(out.data(), buffer.mapped(), out.size() * sizeof(T));
+}
+
+/// A picture without a live depth node: just the background.
+TextureId add_background_only(FrameGraph& graph, const Scene& scene, TextureId target) {
+    const glm::vec3 color = 0.5f * (scene.background_top + scene.background_bottom);
+    graph.add_pass(
+        "frame/background", "raster",
+        [&](PassBuilder& b) { target = b.write(target, Use::color_attachment); },
+        [id = target, color](PassContext& c) {
+            const std::array<gpu::Target, 1> targets = {
+                {{.view = c.view(id),
+                  .clear = true,
+                  .clear_value = {.color = {.float32 = {color.r, color.g, color.b, 1}}}}}};
+            c.commands().begin_rendering({c.desc(id).width, c.desc(id).height}, targets, nullptr);
+            c.commands().end_rendering();
+        });
+    return target;
+}
+
+}  // namespace
+
+Renderer::Renderer(gpu::Device& device)
+    : device_(device), pipelines_(device), executor_(device, pipelines_), rasterizer_(device) {}
+
+Renderer::~Renderer() { device_.wait_idle(); }
+
+void Renderer::cut() { executor_.history().cut(); }
+
+Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
+                                     const PictureTarget& target, const FrameOptions& options) {
+    KINO_CHECK(view.width > 0 && view.height > 0);
+    KINO_CHECK_EQ(static_cast<std::uint32_t>(view.width), target.extent.width);
+    KINO_CHECK_EQ(static_cast<std::uint32_t>(view.height), target.extent.height);
+    const auto width = target.extent.width;
+    const auto height = target.extent.height;
+    const bool live = scene.live.has_value() && scene.live->surface != nullptr;
+    if (live) {
+        KINO_TRY(rasterizer_.upload(*scene.live->surface));
+    } else {
+        rasterizer_.clear();
+    }
+
+    FrameGraph graph(executor_.history());
+    TextureId picture =
+        graph.import_texture("picture", target.image, target.view, {width, height, target.format});
+    const auto skeleton = skeleton_wanted(scene, view);
+    const bool lit = live && wants_light(scene);
+    const bool probing = live && options.probe_px.has_value() && options.probe_px->x >= 0 &&
+                         options.probe_px->y >= 0 && options.probe_px->x < view.width &&
+                         options.probe_px->y < view.height;
+    SurfaceTargets surface;
+    if (live) {
+        // Without light the surface's colour is the picture, so it is drawn straight into it.
+        surface.albedo = lit ? graph.create_texture(
+                                   "albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM})
+                             : picture;
+        if (lit || skeleton || probing || options.read_surface) {
+            surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
+        }
+        if (lit) surface.normal = graph.create_texture("normal", {width, height, kNormalFormat});
+        if (options.read_surface) {
+            surface.id = graph.create_texture("id", {width, height, kIdFormat});
+        }
+        surface = rasterizer_.add(graph, *scene.live, view, options.raster, surface,
+                                  pack_srgb(scene.background_top),
+                                  pack_srgb(scene.background_bottom));
+        if (lit) {
+            const TextureId linear = add_light_pass(graph, scene, view, surface);
+            picture = add_final_pass(graph, scene, linear, picture);
+        } else {
+            picture = surface.albedo;
+        }
+    } else {
+        picture = add_background_only(graph, scene, picture);
+        if (skeleton) {
+            surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
+            graph.add_pass(
+                "frame/empty depth", "raster",
+                [&](PassBuilder& b) {
+                    surface.view_z = b.write(surface.view_z, Use::color_attachment);
+                },
+                [id = surface.view_z](PassContext& c) {
+                    const std::array<gpu::Target, 1> targets = {
+                        {{.view = c.view(id), .clear = true}}};
+                    c.commands().begin_rendering({c.desc(id).width, c.desc(id).height}, targets,
+                                                 nullptr);
+                    c.commands().end_rendering();
+                });
+        }
+    }
+    if (skeleton) picture = add_skeleton(graph, view, picture, surface.view_z, *skeleton);
+    if (options.overlay) picture = options.overlay(graph, picture);
+    graph.require(picture);
+
+    const std::uint64_t pixels = std::uint64_t{width} * height;
+    if (options.read_picture) {
+        KINO_TRY(fit(device_, picture_readback_, "picture readback", pixels * 4));
+        add_readback(graph, "frame/read picture", picture, {}, target.extent, picture_readback_);
+    }
+    if (options.read_surface && live) {
+        KINO_TRY(fit(device_, view_z_readback_, "view depth readback", pixels * 4));
+        KINO_TRY(fit(device_, id_readback_, "id readback", pixels * 4));
+        add_readback(graph, "frame/read depth", surface.view_z, {}, target.extent,
+                     view_z_readback_);
+        add_readback(graph, "frame/read id", surface.id, {}, target.extent, id_readback_);
+    }
+    if (probing) {
+        KINO_TRY(fit(device_, probe_readback_, "probe", 16));
+        add_readback(graph, "frame/probe", surface.view_z,
+                     {options.probe_px->x, options.probe_px->y}, {1, 1}, probe_readback_);
+    }
+    if (keep_graphviz_) graphviz_ = graph.to_graphviz();
+
+    FrameResult result;
+    KINO_ASSIGN(result.report, executor_.run(graph, options.timing));
+    result.ms = to_ms(result.report.submit_to_fence);
+    if (options.read_picture) {
+        copy_out(picture_readback_, view.width, view.height, result.picture);
+        if (target.format == VK_FORMAT_B8G8R8A8_UNORM) {
+            for (Rgba8& pixel : result.picture.pixels()) std::swap(pixel.r, pixel.b);
+        }
+        for (Rgba8& pixel : result.picture.pixels()) pixel.a = 255;
+    }
+    if (options.read_surface && live) {
+        copy_out(view_z_readback_, view.width, view.height, result.surface.view_z_m);
+        copy_out(id_readback_, view.width, view.height, result.surface.id);
+    }
+    if (probing) {
+        const float z = probe_readback_.read<float>()[0];
+        if (z > 0) result.depth_at_m = z;
+    }
+    return result;
+}
+
+Result<FrameResult> Renderer::render_to_image(const Scene& scene, const View& view,
+                                              const FrameOptions& options) {
+    const VkExtent2D extent{static_cast<std::uint32_t>(view.width),
+                            static_cast<std::uint32_t>(view.height)};
+    if (own_target_.extent().width != extent.width ||
+        own_target_.extent().height != extent.height) {
+        own_target_ = gpu::Texture();
+        KINO_ASSIGN(own_target_, gpu::Texture::create(device_, "own picture", extent,
+                                                      VK_FORMAT_R8G8B8A8_UNORM));
+        const auto moved = device_.submit_and_wait([&](VkCommandBuffer commands) {
+            gpu::Commands(device_, commands).to_general(own_target_.image());
+        });
+        if (!moved) return fail(moved.error());
+    }
+    FrameOptions reading = options;
+    reading.read_picture = true;
+    return render(scene, view,
+                  {.image = own_target_.image(),
+                   .view = own_target_.view(),
+                   .extent = extent,
+                   .format = own_target_.format()},
+                  reading);
+}
+
+}  // namespace kino

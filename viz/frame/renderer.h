@@ -1,0 +1,98 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+#include "viz/gpu/device.h"
+#include "viz/graph/executor.h"
+#include "viz/scene/scene.h"
+#include "viz/scene/view.h"
+#include "viz/surface/depth_rasterizer.h"
+
+namespace kino {
+
+/// Where a finished picture goes. `image` must be in the GENERAL layout, colour-attachment and
+/// transfer-source capable, RGBA8 or BGRA8 (no sRGB view: values are sRGB-coded already).
+struct PictureTarget {
+    VkImage image = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+    VkExtent2D extent{};
+    VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
+};
+
+struct FrameOptions {
+    RasterPath raster = RasterPath::compute;
+    graph::Timing timing = graph::Timing::frame;
+    /// Also copies the view depth under this pixel back (FrameStats::depth_at_m).
+    std::optional<glm::ivec2> probe_px;
+    /// Copies the finished picture (and, if asked, the surface) back to the host.
+    bool read_picture = false;
+    bool read_surface = false;
+    /// Adds passes after everything else, into the target: the user interface.
+    std::function<graph::TextureId(graph::FrameGraph&, graph::TextureId target)> overlay;
+};
+
+/// The surface as the host gets it, for tests, picking and benches. Row-major, picture size.
+struct SurfaceReadback {
+    Image<float> view_z_m;       ///< 0: nothing
+    Image<std::uint32_t> id;     ///< depth pixel (cloud) or triangle (mesh); ~0: nothing
+};
+
+struct FrameResult {
+    graph::FrameReport report;
+    double ms = 0;  ///< device time of the whole frame, submit to fence
+    Image<Rgba8> picture;
+    SurfaceReadback surface;
+    std::optional<float> depth_at_m;  ///< of the probed pixel; empty where nothing is there
+};
+
+/// Composes frames: what the scene calls for, in stage order, and nothing else.
+class Renderer {
+  public:
+    explicit Renderer(gpu::Device& device);
+    ~Renderer();
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+
+    /// Draws and waits. Fails where the device does; the scene was checked when it was loaded.
+    [[nodiscard]] Result<FrameResult> render(const Scene& scene, const View& view,
+                                             const PictureTarget& target,
+                                             const FrameOptions& options);
+
+    /// Draws into a picture of its own and hands it back.
+    [[nodiscard]] Result<FrameResult> render_to_image(const Scene& scene, const View& view,
+                                                      const FrameOptions& options);
+
+    /// The picture cuts: histories are void.
+    void cut();
+
+    [[nodiscard]] gpu::Device& device() { return device_; }
+    [[nodiscard]] gpu::Pipelines& pipelines() { return pipelines_; }
+    [[nodiscard]] const std::vector<graph::GroupTime>& group_times() const {
+        return executor_.group_times();
+    }
+    /// Bytes of the live depth copy on the device.
+    [[nodiscard]] std::uint64_t live_depth_bytes() const { return rasterizer_.bytes(); }
+    /// The last frame's graph, for documentation and debugging.
+    [[nodiscard]] const std::string& graphviz() const { return graphviz_; }
+    void keep_graphviz(bool keep) { keep_graphviz_ = keep; }
+
+  private:
+    gpu::Device& device_;
+    gpu::Pipelines pipelines_;
+    graph::Executor executor_;
+    DepthRasterizer rasterizer_;
+    gpu::Texture own_target_;
+    gpu::Buffer picture_readback_;
+    gpu::Buffer view_z_readback_;
+    gpu::Buffer id_readback_;
+    gpu::Buffer probe_readback_;
+    bool keep_graphviz_ = false;
+    std::string graphviz_;
+};
+
+}  // namespace kino

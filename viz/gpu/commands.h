@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+
+#include "viz/gpu/pipeline.h"
+
+namespace kino::gpu {
+
+/// What a shader binding is given: a buffer range, or an image in the GENERAL layout.
+struct Bound {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceSize offset = 0;
+    VkDeviceSize bytes = VK_WHOLE_SIZE;
+    VkImageView view = VK_NULL_HANDLE;
+    bool linear = false;  ///< filter of a texture
+};
+
+/// A colour or depth target of one draw. `clear`: start from `clear_value`, else keep.
+struct Target {
+    VkImageView view = VK_NULL_HANDLE;
+    bool clear = false;
+    VkClearValue clear_value{};
+};
+
+/// The recording face of a command buffer: bind a pipeline, give its resources in binding order,
+/// draw or dispatch. Knows no resource states; viz/graph places the barriers.
+class Commands {
+  public:
+    Commands(Device& device, VkCommandBuffer buffer) : device_(device), buffer_(buffer) {}
+
+    [[nodiscard]] VkCommandBuffer handle() const { return buffer_; }
+    [[nodiscard]] Device& device() const { return device_; }
+
+    /// Binds `pipeline` with one resource for each of its bindings.
+    void bind(const Pipeline& pipeline, std::initializer_list<Bound> resources);
+    template <class T>
+    void constants(const T& values) {
+        push(&values, sizeof(T));
+    }
+
+    void dispatch(std::uint32_t groups_x, std::uint32_t groups_y = 1);
+    void dispatch_indirect(VkBuffer buffer, VkDeviceSize offset);
+    void fill(VkBuffer buffer, std::uint32_t value);
+    /// Writes a few words at the front of a buffer; at most 64 KB.
+    void update(VkBuffer buffer, std::span<const std::uint32_t> words);
+
+    void begin_rendering(VkExtent2D extent, std::span<const Target> colors, const Target* depth);
+    void end_rendering();
+    /// Limits drawing to a rectangle of the targets; inside begin/end_rendering.
+    void viewport(VkRect2D rect);
+    void draw(std::uint32_t vertices, std::uint32_t instances = 1);
+    void draw_indexed(VkBuffer indices, std::uint32_t count);  ///< 32-bit indices
+
+    /// Takes a colour image from any layout to GENERAL, contents lost; to_present() hands a
+    /// swapchain image over to the presentation engine, contents kept.
+    void to_general(VkImage image);
+    void to_present(VkImage image);
+
+    /// Everything written so far is visible to everything that follows.
+    void full_barrier();
+
+  private:
+    void change_layout(VkImage image, VkImageLayout from, VkImageLayout to);
+    void push(const void* values, std::size_t bytes);
+
+    Device& device_;
+    VkCommandBuffer buffer_;
+    const Pipeline* bound_ = nullptr;
+};
+
+}  // namespace kino::gpu

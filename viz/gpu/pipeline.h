@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "viz/gpu/device.h"
+#include "viz/gpu/resource.h"
+
+namespace kino::gpu {
+
+/// Kinds of shader resources; binding i of set 0 has kind `bindings[i]`.
+enum class Binding : std::uint8_t { storage, texture };
+
+enum class Blend : std::uint8_t { none, alpha, additive };
+
+/// A pipeline as plain data. `name` says who owns it: "surface/splat"; asking for the same name,
+/// formats and constants again gives the same pipeline.
+struct PipelineDesc {
+    std::string name;
+    std::span<const std::uint32_t> compute;  ///< a compute pipeline has only this
+    std::span<const std::uint32_t> vertex;
+    std::span<const std::uint32_t> geometry;
+    std::span<const std::uint32_t> fragment;
+    std::vector<Binding> bindings;
+    std::uint32_t push_bytes = 0;                ///< at most 128
+    std::vector<std::uint32_t> constants;        ///< specialisation constants 0, 1, ...
+    VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    std::vector<VkFormat> color_formats;
+    VkFormat depth_format = VK_FORMAT_UNDEFINED;  ///< set: reversed-Z test and write
+    Blend blend = Blend::none;
+    bool vertex_colors = false;  ///< ImGui's vertex layout (position, uv, packed colour)
+};
+
+struct Pipeline {
+    VkPipeline handle = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+    VkPipelineBindPoint bind_point = VK_PIPELINE_BIND_POINT_COMPUTE;
+    bool has_geometry = false;
+    std::vector<Binding> bindings;
+    std::uint32_t push_bytes = 0;
+};
+
+/// Makes pipelines at first use and keeps them. The names made so far show what a scene cost.
+class Pipelines {
+  public:
+    explicit Pipelines(Device& device) : device_(device) {}
+    ~Pipelines();
+    Pipelines(const Pipelines&) = delete;
+    Pipelines& operator=(const Pipelines&) = delete;
+
+    [[nodiscard]] Result<const Pipeline*> get(const PipelineDesc& desc);
+    /// Names of pipelines that exist now, each once, sorted.
+    [[nodiscard]] std::vector<std::string> names() const;
+
+  private:
+    Result<std::unique_ptr<Pipeline>> create(const PipelineDesc& desc);
+
+    Device& device_;
+    std::map<std::string, std::unique_ptr<Pipeline>> made_;
+};
+
+}  // namespace kino::gpu

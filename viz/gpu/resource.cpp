@@ -1,0 +1,138 @@
+#include "viz/gpu/resource.h"
+
+#include <utility>
+
+#include "base/check.h"
+
+namespace kino::gpu {
+
+Result<Buffer> Buffer::create(Device& device, std::string name, VkDeviceSize bytes,
+                              MemoryUse use) {
+    KINO_CHECK(bytes > 0);
+    Buffer buffer;
+    buffer.device_ = &device;
+    buffer.bytes_ = bytes;
+    const VkBufferCreateInfo create{
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = bytes,
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                 VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT};
+    KINO_VK_TRY(vkCreateBuffer(device.handle(), &create, nullptr, &buffer.buffer_),
+                "creating buffer " + name);
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(device.handle(), buffer.buffer_, &needs);
+    bool host_visible = false;
+    KINO_ASSIGN(buffer.memory_, device.allocate(needs, use, name, host_visible));
+    buffer.allocated_ = needs.size;
+    KINO_VK_TRY(vkBindBufferMemory(device.handle(), buffer.buffer_, buffer.memory_, 0),
+                "binding buffer " + name);
+    if (use != MemoryUse::device) {
+        KINO_VK_TRY(vkMapMemory(device.handle(), buffer.memory_, 0, VK_WHOLE_SIZE, 0,
+                                &buffer.mapped_),
+                    "mapping buffer " + name);
+    }
+    return buffer;
+}
+
+Buffer::~Buffer() {
+    if (device_ == nullptr) return;
+    vkDestroyBuffer(device_->handle(), buffer_, nullptr);
+    if (memory_ != VK_NULL_HANDLE) device_->release(memory_, allocated_);
+}
+
+Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+
+Buffer& Buffer::operator=(Buffer&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(buffer_, other.buffer_);
+    std::swap(memory_, other.memory_);
+    std::swap(bytes_, other.bytes_);
+    std::swap(allocated_, other.allocated_);
+    std::swap(mapped_, other.mapped_);
+    return *this;
+}
+
+Result<Texture> Texture::create(Device& device, std::string name, VkExtent2D extent,
+                                VkFormat format) {
+    Texture texture;
+    texture.device_ = &device;
+    texture.extent_ = extent;
+    texture.format_ = format;
+    const bool depth = is_depth_format(format);
+    const VkImageCreateInfo create{
+        .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+        .imageType = VK_IMAGE_TYPE_2D,
+        .format = format,
+        .extent = {extent.width, extent.height, 1},
+        .mipLevels = 1,
+        .arrayLayers = 1,
+        .samples = VK_SAMPLE_COUNT_1_BIT,
+        .tiling = VK_IMAGE_TILING_OPTIMAL,
+        .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                 VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                 static_cast<VkImageUsageFlags>(depth
+                                                    ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
+                                                    : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)};
+    KINO_VK_TRY(vkCreateImage(device.handle(), &create, nullptr, &texture.image_),
+                "creating image " + name);
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(device.handle(), texture.image_, &needs);
+    bool host_visible = false;
+    KINO_ASSIGN(texture.memory_, device.allocate(needs, MemoryUse::device, name, host_visible));
+    texture.allocated_ = needs.size;
+    KINO_VK_TRY(vkBindImageMemory(device.handle(), texture.image_, texture.memory_, 0),
+                "binding image " + name);
+    const VkImageViewCreateInfo view{
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = texture.image_,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D,
+        .format = format,
+        .subresourceRange = {.aspectMask = static_cast<VkImageAspectFlags>(
+                                 depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT),
+                             .levelCount = 1,
+                             .layerCount = 1}};
+    KINO_VK_TRY(vkCreateImageView(device.handle(), &view, nullptr, &texture.view_),
+                "creating the view of " + name);
+    return texture;
+}
+
+Texture::~Texture() {
+    if (device_ == nullptr) return;
+    vkDestroyImageView(device_->handle(), view_, nullptr);
+    vkDestroyImage(device_->handle(), image_, nullptr);
+    if (memory_ != VK_NULL_HANDLE) device_->release(memory_, allocated_);
+}
+
+Texture::Texture(Texture&& other) noexcept { *this = std::move(other); }
+
+Texture& Texture::operator=(Texture&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(image_, other.image_);
+    std::swap(view_, other.view_);
+    std::swap(memory_, other.memory_);
+    std::swap(allocated_, other.allocated_);
+    std::swap(extent_, other.extent_);
+    std::swap(format_, other.format_);
+    return *this;
+}
+
+bool is_depth_format(VkFormat format) { return format == VK_FORMAT_D32_SFLOAT; }
+
+std::uint32_t bytes_per_pixel(VkFormat format) {
+    switch (format) {
+        case VK_FORMAT_R8_UNORM: return 1;
+        case VK_FORMAT_R8G8B8A8_UNORM:
+        case VK_FORMAT_B8G8R8A8_UNORM:
+        case VK_FORMAT_R32_SFLOAT:
+        case VK_FORMAT_R32_UINT:
+        case VK_FORMAT_R16G16_SNORM:
+        case VK_FORMAT_D32_SFLOAT: return 4;
+        case VK_FORMAT_R16G16B16A16_SFLOAT:
+        case VK_FORMAT_R32G32_UINT: return 8;
+        case VK_FORMAT_R32G32B32A32_SFLOAT: return 16;
+        default: KINO_CHECK(!"a format Kinoscope does not use"); return 0;
+    }
+}
+
+}  // namespace kino::gpu

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+
+#include "base/check.h"
+#include "viz/gpu/device.h"
+
+namespace kino::gpu {
+
+/// A buffer with memory of its own; may be bound as storage, indirect, index and copied. Upload
+/// and readback buffers stay mapped. Move-only; must die before its Device.
+class Buffer {
+  public:
+    Buffer() = default;
+    [[nodiscard]] static Result<Buffer> create(Device& device, std::string name,
+                                               VkDeviceSize bytes, MemoryUse use);
+    ~Buffer();
+    Buffer(Buffer&& other) noexcept;
+    Buffer& operator=(Buffer&& other) noexcept;
+
+    [[nodiscard]] VkBuffer handle() const { return buffer_; }
+    [[nodiscard]] VkDeviceSize bytes() const { return bytes_; }
+    [[nodiscard]] bool empty() const { return buffer_ == VK_NULL_HANDLE; }
+    /// Null unless the memory is mapped.
+    [[nodiscard]] void* mapped() const { return mapped_; }
+
+    template <class T>
+    void write(std::span<const T> values, VkDeviceSize byte_offset = 0) {
+        KINO_CHECK(mapped_ != nullptr && byte_offset + values.size_bytes() <= bytes_);
+        std::memcpy(static_cast<char*>(mapped_) + byte_offset, values.data(),
+                    values.size_bytes());
+    }
+    template <class T>
+    [[nodiscard]] std::span<const T> read() const {
+        KINO_CHECK(mapped_ != nullptr);
+        return {static_cast<const T*>(mapped_), bytes_ / sizeof(T)};
+    }
+
+  private:
+    Device* device_ = nullptr;
+    VkBuffer buffer_ = VK_NULL_HANDLE;
+    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    VkDeviceSize bytes_ = 0;
+    VkDeviceSize allocated_ = 0;
+    void* mapped_ = nullptr;
+};
+
+/// A 2D image with one level, its view and its memory; used in the GENERAL layout throughout.
+class Texture {
+  public:
+    Texture() = default;
+    [[nodiscard]] static Result<Texture> create(Device& device, std::string name,
+                                                VkExtent2D extent, VkFormat format);
+    ~Texture();
+    Texture(Texture&& other) noexcept;
+    Texture& operator=(Texture&& other) noexcept;
+
+    [[nodiscard]] VkImage image() const { return image_; }
+    [[nodiscard]] VkImageView view() const { return view_; }
+    [[nodiscard]] VkExtent2D extent() const { return extent_; }
+    [[nodiscard]] VkFormat format() const { return format_; }
+    [[nodiscard]] VkDeviceSize bytes() const { return allocated_; }
+    [[nodiscard]] bool empty() const { return image_ == VK_NULL_HANDLE; }
+
+  private:
+    Device* device_ = nullptr;
+    VkImage image_ = VK_NULL_HANDLE;
+    VkImageView view_ = VK_NULL_HANDLE;
+    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    VkDeviceSize allocated_ = 0;
+    VkExtent2D extent_{};
+    VkFormat format_ = VK_FORMAT_UNDEFINED;
+};
+
+[[nodiscard]] bool is_depth_format(VkFormat format);
+/// Bytes of one pixel of the formats Kinoscope uses.
+[[nodiscard]] std::uint32_t bytes_per_pixel(VkFormat format);
+
+}  // namespace kino::gpu

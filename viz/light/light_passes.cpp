@@ -1,0 +1,124 @@
+#include "viz/light/light_passes.h"
+
+#include <array>
+#include <vector>
+
+#include "viz/light/light_shared.h"
+
+namespace kino {
+namespace {
+
+using graph::PassBuilder;
+using graph::PassContext;
+using graph::Use;
+
+constexpr std::uint32_t kFullscreen[] = {
+#include "light_fullscreen_vert.inc"
+};
+constexpr std::uint32_t kLight[] = {
+#include "light_frag.inc"
+};
+constexpr std::uint32_t kFinal[] = {
+#include "final_frag.inc"
+};
+
+std::vector<shared::LightRecord> lights_in_view(const Scene& scene, const View& view) {
+    const Pose view_from_world = inverse(view.world_from_view);
+    std::vector<shared::LightRecord> records;
+    for (const Light& light : scene.lights) {
+        shared::LightRecord record{};
+        record.kind = light.kind == LightKind::point ? 1 : 0;
+        record.place = light.kind == LightKind::point
+                           ? view_from_world * light.position
+                           : view_from_world.rotation * -glm::normalize(light.direction);
+        record.color = light.color;
+        record.radius = light.radius_m;
+        records.push_back(record);
+    }
+    if (records.empty()) records.emplace_back();  // a binding needs a byte; count stays 0
+    return records;
+}
+
+}  // namespace
+
+bool wants_light(const Scene& scene) {
+    return scene.live.has_value() && (scene.color_mode == ColorMode::relit ||
+                                      (scene.color_mode == ColorMode::mixed &&
+                                       !scene.lights.empty()));
+}
+
+graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene, const View& view,
+                                const SurfaceTargets& surface) {
+    graph::TextureId linear = graph.create_texture(
+        "scene, linear", {static_cast<std::uint32_t>(view.width),
+                          static_cast<std::uint32_t>(view.height), kSceneLinearFormat});
+    const Projection& k = view.projection;
+    const shared::LightParams params{.k = {k.fx, k.fy, k.cx, k.cy},
+                                     .ambient = scene.ambient,
+                                     .count = static_cast<std::uint32_t>(scene.lights.size()),
+                                     .mixed = scene.color_mode == ColorMode::mixed ? 1u : 0u};
+    const auto records = lights_in_view(scene, view);
+    const auto execute = [=](PassContext& c) {
+        gpu::PipelineDesc desc;
+        desc.name = "light/shade";
+        desc.vertex = kFullscreen;
+        desc.fragment = kLight;
+        desc.bindings = {gpu::Binding::texture, gpu::Binding::texture, gpu::Binding::texture,
+                         gpu::Binding::storage};
+        desc.push_bytes = sizeof(params);
+        desc.color_formats = {kSceneLinearFormat};
+        const std::array<gpu::Target, 1> targets = {{{.view = c.view(linear)}}};
+        c.commands().begin_rendering({c.desc(linear).width, c.desc(linear).height}, targets,
+                                     nullptr);
+        if (c.bind(desc, {c.bound(surface.albedo), c.bound(surface.view_z),
+                          c.bound(surface.normal), c.upload(records)})) {
+            c.commands().constants(params);
+            c.commands().draw(3);
+        }
+        c.commands().end_rendering();
+    };
+    graph.add_pass(
+        "light/shade", "light",
+        [&](PassBuilder& b) {
+            b.read(surface.albedo, Use::fragment_read);
+            b.read(surface.view_z, Use::fragment_read);
+            b.read(surface.normal, Use::fragment_read);
+            linear = b.write(linear, Use::color_attachment);
+        },
+        execute);
+    return linear;
+}
+
+graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,
+                                graph::TextureId scene_linear, graph::TextureId target) {
+    const shared::FinalParams params{
+        .exposure = scene.exposure,
+        .tone_map = scene.color_mode == ColorMode::captured ? 0u : 1u};
+    const auto execute = [=](PassContext& c) {
+        gpu::PipelineDesc desc;
+        desc.name = "light/final";
+        desc.vertex = kFullscreen;
+        desc.fragment = kFinal;
+        desc.bindings = {gpu::Binding::texture};
+        desc.push_bytes = sizeof(params);
+        desc.color_formats = {c.desc(target).format};
+        const std::array<gpu::Target, 1> targets = {{{.view = c.view(target)}}};
+        c.commands().begin_rendering({c.desc(target).width, c.desc(target).height}, targets,
+                                     nullptr);
+        if (c.bind(desc, {c.bound(scene_linear)})) {
+            c.commands().constants(params);
+            c.commands().draw(3);
+        }
+        c.commands().end_rendering();
+    };
+    graph.add_pass(
+        "light/final", "final",
+        [&](PassBuilder& b) {
+            b.read(scene_linear, Use::fragment_read);
+            target = b.write(target, Use::color_attachment);
+        },
+        execute);
+    return target;
+}
+
+}  // namespace kino

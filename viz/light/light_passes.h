@@ -1,0 +1,26 @@
+#pragma once
+
+#include "viz/graph/executor.h"
+#include "viz/graph/graph.h"
+#include "viz/scene/scene.h"
+#include "viz/scene/view.h"
+#include "viz/surface/depth_rasterizer.h"
+
+namespace kino {
+
+constexpr VkFormat kSceneLinearFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+
+/// True where the scene calls for virtual light at all; if not, nothing of this room runs.
+[[nodiscard]] bool wants_light(const Scene& scene);
+
+/// Shades the surface with the scene's lights into a new linear RGBA16F texture. The surface must
+/// have view_z and normal.
+[[nodiscard]] graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene,
+                                              const View& view, const SurfaceTargets& surface);
+
+/// Exposure, tone map, sRGB, dither, into `target`; returns its new id.
+[[nodiscard]] graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,
+                                              graph::TextureId scene_linear,
+                                              graph::TextureId target);
+
+}  // namespace kino

@@ -1,0 +1,243 @@
+#include <array>
+
+#include "viz/surface/depth_passes.h"
+
+namespace kino {
+namespace {
+
+using gpu::Binding;
+using graph::BufferId;
+using graph::PassBuilder;
+using graph::PassContext;
+using graph::Use;
+using shared::SurfaceParams;
+
+constexpr std::uint32_t kSplat[] = {
+#include "splat_comp.inc"
+};
+constexpr std::uint32_t kSplat32[] = {
+#include "splat32_comp.inc"
+};
+constexpr std::uint32_t kMeshVertices[] = {
+#include "mesh_vertices_comp.inc"
+};
+constexpr std::uint32_t kMeshCells[] = {
+#include "mesh_cells_comp.inc"
+};
+constexpr std::uint32_t kMeshCells32[] = {
+#include "mesh_cells32_comp.inc"
+};
+constexpr std::uint32_t kMeshLarge[] = {
+#include "mesh_large_comp.inc"
+};
+constexpr std::uint32_t kMeshLarge32[] = {
+#include "mesh_large32_comp.inc"
+};
+constexpr std::uint32_t kNormals[] = {
+#include "normals_comp.inc"
+};
+constexpr std::uint32_t kFullscreen[] = {
+#include "fullscreen_vert.inc"
+};
+constexpr std::uint32_t kResolveCloud[] = {
+#include "resolve_cloud_frag.inc"
+};
+constexpr std::uint32_t kResolveMesh[] = {
+#include "resolve_mesh_frag.inc"
+};
+
+constexpr const char* kRasterGroup = "raster";
+constexpr const char* kResolveGroup = "resolve";
+
+std::uint32_t groups_of_64(std::uint64_t items) {
+    return static_cast<std::uint32_t>((items + 63) / 64);
+}
+
+std::uint64_t pixel_count(const SurfaceParams& p) {
+    return std::uint64_t{p.target.x} * p.target.y;
+}
+std::uint64_t grid_count(const SurfaceParams& p) { return std::uint64_t{p.grid.x} * p.grid.y; }
+
+gpu::PipelineDesc compute(const char* name, std::span<const std::uint32_t> code,
+                          std::size_t buffers, std::vector<std::uint32_t> constants = {}) {
+    gpu::PipelineDesc desc;
+    desc.name = name;
+    desc.compute = code;
+    desc.bindings.assign(buffers, Binding::storage);
+    desc.push_bytes = sizeof(SurfaceParams);
+    desc.constants = std::move(constants);
+    return desc;
+}
+
+BufferId add_clear(graph::FrameGraph& graph, const SurfaceParams& params) {
+    BufferId visibility = graph.create_buffer("visibility", {pixel_count(params) * 8});
+    // Ids captured by a pass name the resource, not its version: what matters to execution.
+    graph.add_pass(
+        "surface/clear", kRasterGroup,
+        [&](PassBuilder& b) { visibility = b.write(visibility, Use::transfer_write); },
+        [id = visibility](PassContext& c) { c.commands().fill(c.buffer(id), UINT32_MAX); });
+    return visibility;
+}
+
+/// Two passes with 32-bit keys (least depth, then least index), one with 64-bit keys.
+template <class AddPass>
+void for_each_key_pass(bool key32, SurfaceParams params, AddPass add_pass) {
+    for (std::uint32_t key_pass = 0; key_pass < (key32 ? 2u : 1u); ++key_pass) {
+        params.key_pass = key_pass;
+        add_pass(params, key_pass == 1);
+    }
+}
+
+SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in,
+                           BufferId visibility, bool mesh, SurfaceTargets targets) {
+    const BufferId normals = in.normals.valid() ? in.normals : in.depth;
+    const auto execute = [=](PassContext& c) {
+        gpu::PipelineDesc desc;
+        desc.name = mesh ? "surface/resolve mesh" : "surface/resolve cloud";
+        desc.vertex = kFullscreen;
+        desc.fragment = mesh ? std::span<const std::uint32_t>(kResolveMesh)
+                             : std::span<const std::uint32_t>(kResolveCloud);
+        desc.bindings.assign(5, Binding::storage);
+        desc.push_bytes = sizeof(SurfaceParams);
+        desc.constants = {targets.normal.valid() ? 1u : 0u, in.has_color ? 1u : 0u};
+        desc.color_formats = target_formats(c, targets);
+        begin_targets(c, targets, false, nullptr);
+        if (c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
+                          c.bound(in.color), c.bound(normals)})) {
+            c.commands().constants(in.params);
+            c.commands().draw(3);
+        }
+        c.commands().end_rendering();
+    };
+    graph.add_pass(
+        mesh ? "surface/resolve mesh" : "surface/resolve cloud", kResolveGroup,
+        [&](PassBuilder& b) {
+            for (const BufferId id : {visibility, in.depth, in.rays, in.color, normals}) {
+                b.read(id, Use::fragment_read);
+            }
+            write_targets(b, targets);
+        },
+        execute);
+    return targets;
+}
+
+}  // namespace
+
+BufferId add_normals_pass(graph::FrameGraph& graph, const DepthPassInputs& in) {
+    BufferId normals = graph.create_buffer("normals", {grid_count(in.params) * 4});
+    graph.add_pass(
+        "surface/normals", kRasterGroup,
+        [&](PassBuilder& b) {
+            b.read(in.depth, Use::compute_read);
+            b.read(in.rays, Use::compute_read);
+            normals = b.write(normals, Use::compute_write);
+        },
+        [in, normals](PassContext& c) {
+            if (!c.bind(compute("surface/normals", kNormals, 3),
+                        {c.bound(normals), c.bound(in.depth), c.bound(in.rays)})) {
+                return;
+            }
+            c.commands().constants(in.params);
+            c.commands().dispatch(groups_of_64(grid_count(in.params)));
+        });
+    return normals;
+}
+
+SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs& in, bool key32,
+                                 SurfaceTargets targets) {
+    BufferId visibility = add_clear(graph, in.params);
+    for_each_key_pass(key32, in.params, [&](const SurfaceParams& params, bool index_pass) {
+        graph.add_pass(
+            index_pass ? "surface/splat index" : "surface/splat", kRasterGroup,
+            [&](PassBuilder& b) {
+                b.read(in.depth, Use::compute_read);
+                b.read(in.rays, Use::compute_read);
+                visibility = b.write(visibility, Use::compute_write);
+            },
+            [=](PassContext& c) {
+                const std::uint32_t single = params.splat_cap_px == 1 ? 1 : 0;
+                const auto desc =
+                    key32 ? compute("surface/splat 32 bit", kSplat32, 3, {single})
+                          : compute("surface/splat", kSplat, 3, {single});
+                if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays)})) {
+                    return;
+                }
+                c.commands().constants(params);
+                c.commands().dispatch(groups_of_64(grid_count(params)));
+            });
+    });
+    return add_resolve(graph, in, visibility, false, targets);
+}
+
+SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs& in, bool key32,
+                                SurfaceTargets targets) {
+    const std::uint64_t cells =
+        std::uint64_t{in.params.grid.x - 1} * (in.params.grid.y - 1);
+    BufferId visibility = add_clear(graph, in.params);
+    BufferId vertices = graph.create_buffer("projected vertices", {grid_count(in.params) * 16});
+    // Room for every triangle, so that no view can overflow it.
+    BufferId large = graph.create_buffer("large triangles",
+                                         {sizeof(shared::LargeList) + 2 * cells * 4});
+    graph.add_pass(
+        "surface/project vertices", kRasterGroup,
+        [&](PassBuilder& b) {
+            b.read(in.depth, Use::compute_read);
+            b.read(in.rays, Use::compute_read);
+            vertices = b.write(vertices, Use::compute_write);
+        },
+        [=](PassContext& c) {
+            if (!c.bind(compute("surface/project vertices", kMeshVertices, 3),
+                        {c.bound(vertices), c.bound(in.depth), c.bound(in.rays)})) {
+                return;
+            }
+            c.commands().constants(in.params);
+            c.commands().dispatch(groups_of_64(grid_count(in.params)));
+        });
+    for_each_key_pass(key32, in.params, [&](const SurfaceParams& params, bool index_pass) {
+        graph.add_pass(
+            "surface/clear list", kRasterGroup,
+            [&](PassBuilder& b) { large = b.write(large, Use::transfer_write); },
+            [=](PassContext& c) {
+                constexpr std::array<std::uint32_t, 4> kEmptyList = {0, 0, 1, 0};
+                c.commands().update(c.buffer(large), kEmptyList);
+            });
+        graph.add_pass(
+            index_pass ? "surface/small triangles index" : "surface/small triangles", kRasterGroup,
+            [&](PassBuilder& b) {
+                b.read(vertices, Use::compute_read);
+                visibility = b.write(visibility, Use::compute_write);
+                large = b.write(large, Use::compute_write);
+            },
+            [=](PassContext& c) {
+                const auto desc =
+                    key32 ? compute("surface/small triangles 32 bit", kMeshCells32, 3)
+                          : compute("surface/small triangles", kMeshCells, 3);
+                if (!c.bind(desc, {c.bound(visibility), c.bound(vertices), c.bound(large)})) return;
+                c.commands().constants(params);
+                c.commands().dispatch(groups_of_64(cells));
+            });
+        graph.add_pass(
+            index_pass ? "surface/large triangles index" : "surface/large triangles", kRasterGroup,
+            [&](PassBuilder& b) {
+                b.read(in.depth, Use::compute_read);
+                b.read(in.rays, Use::compute_read);
+                b.read(large, Use::indirect_read);
+                b.read(large, Use::compute_read);
+                visibility = b.write(visibility, Use::compute_write);
+            },
+            [=](PassContext& c) {
+                const auto desc =
+                    key32 ? compute("surface/large triangles 32 bit", kMeshLarge32, 4)
+                          : compute("surface/large triangles", kMeshLarge, 4);
+                if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
+                                   c.bound(large)})) {
+                    return;
+                }
+                c.commands().constants(params);
+                c.commands().dispatch_indirect(c.buffer(large), 0);
+            });
+    });
+    return add_resolve(graph, in, visibility, true, targets);
+}
+
+}  // namespace kino

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "viz/graph/graph.h"
+#include "viz/surface/depth_rasterizer.h"
+#include "viz/surface/surface_shared.h"
+
+namespace kino {
+
+/// What every way of drawing a depth frame reads.
+struct DepthPassInputs {
+    shared::SurfaceParams params;
+    graph::BufferId depth;
+    graph::BufferId rays;
+    graph::BufferId color;    ///< `depth` again where there is none
+    graph::BufferId normals;  ///< invalid unless normals are wanted
+    bool has_color = false;
+};
+
+/// A normal for every depth pixel, packed octahedral, view space.
+[[nodiscard]] graph::BufferId add_normals_pass(graph::FrameGraph& graph,
+                                               const DepthPassInputs& inputs);
+
+/// Each adds one path's passes and returns the targets' new ids.
+[[nodiscard]] SurfaceTargets add_compute_cloud(graph::FrameGraph& graph,
+                                               const DepthPassInputs& inputs, bool key32,
+                                               SurfaceTargets targets);
+[[nodiscard]] SurfaceTargets add_compute_mesh(graph::FrameGraph& graph,
+                                              const DepthPassInputs& inputs, bool key32,
+                                              SurfaceTargets targets);
+[[nodiscard]] SurfaceTargets add_hardware_points(graph::FrameGraph& graph,
+                                                 const DepthPassInputs& inputs,
+                                                 SurfaceTargets targets);
+[[nodiscard]] SurfaceTargets add_hardware_mesh(graph::FrameGraph& graph,
+                                               const DepthPassInputs& inputs,
+                                               graph::BufferId indices, SurfaceTargets targets);
+
+/// Declares the wanted targets as colour attachments of `builder`'s pass.
+void write_targets(graph::PassBuilder& builder, SurfaceTargets& targets);
+/// Attachment formats in output order; targets nobody wants are UNDEFINED.
+[[nodiscard]] std::vector<VkFormat> target_formats(const graph::PassContext& context,
+                                                   const SurfaceTargets& targets);
+/// Starts rendering into the wanted targets, cleared to "nothing there" where asked.
+void begin_targets(graph::PassContext& context, const SurfaceTargets& targets, bool clear,
+                   const gpu::Target* depth);
+
+}  // namespace kino

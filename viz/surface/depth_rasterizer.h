@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "viz/graph/executor.h"
+#include "viz/graph/graph.h"
+#include "viz/scene/scene.h"
+#include "viz/scene/view.h"
+
+namespace kino {
+
+/// How depth pixels become picture pixels. All paths fill the same surface.
+enum class RasterPath : std::uint8_t {
+    compute,          ///< visibility buffer with 64-bit atomics
+    compute_32bit,    ///< the same bits by two passes of 32-bit atomics
+    hardware          ///< fixed-function points, or grid + geometry shader: the reference
+};
+
+/// The thin surface, one texture each; invalid ids are not wanted and not made. Formats are the
+/// attachment formats in viz/surface/surface_out.glsl.
+struct SurfaceTargets {
+    graph::TextureId albedo;  ///< RGBA8 (or the final target's format); always made
+    graph::TextureId view_z;  ///< R32F, metres along the view axis, 0 = nothing
+    graph::TextureId normal;  ///< RG16 snorm, octahedral, view space
+    graph::TextureId id;      ///< R32UI: depth pixel (cloud) or triangle (mesh), ~0 = nothing
+};
+constexpr VkFormat kViewZFormat = VK_FORMAT_R32_SFLOAT;
+constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16_SNORM;
+constexpr VkFormat kIdFormat = VK_FORMAT_R32_UINT;
+
+/// Draws a live depth frame as points or as a mesh. Owns the GPU copy of the frame; memory is
+/// made for the first frame and kept while the size stays.
+class DepthRasterizer {
+  public:
+    explicit DepthRasterizer(gpu::Device& device) : device_(device) {}
+
+    /// Copies the frame into mapped memory unless this version is there already. The GPU must
+    /// not be reading it (Executor::run waits).
+    [[nodiscard]] Result<void> upload(const DepthSurface& surface);
+
+    /// Adds the passes that draw the uploaded frame into `targets` and returns their new ids.
+    /// `background_*` are packed sRGB RGBA8.
+    [[nodiscard]] SurfaceTargets add(graph::FrameGraph& graph, const LiveDepth& live,
+                                     const View& view, RasterPath path, SurfaceTargets targets,
+                                     std::uint32_t background_top,
+                                     std::uint32_t background_bottom) const;
+
+    [[nodiscard]] std::uint64_t bytes() const;
+    /// Gives the memory back.
+    void clear();
+
+  private:
+    struct Inputs;
+    gpu::Device& device_;
+    gpu::Buffer depth_;
+    gpu::Buffer rays_;
+    gpu::Buffer color_;
+    mutable gpu::Buffer indices_;  ///< hardware mesh only, made when first drawn
+    std::shared_ptr<const Image<RayXy>> uploaded_rays_;
+    std::uint64_t version_ = 0;
+    std::uint32_t width_ = 0;
+    std::uint32_t height_ = 0;
+    double focal_px_ = 0;
+    bool has_color_ = false;
+};
+
+}  // namespace kino

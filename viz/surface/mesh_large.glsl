@@ -1,0 +1,64 @@
+#include "viz/surface/compute_head.glsl"
+#include "viz/surface/visibility.glsl"
+layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
+layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
+layout(scalar, set = 0, binding = 3) readonly buffer Large { LargeList large; uint large_triangles[]; };
+
+vec2 to_pixel(vec3 v) { return p.k.xy * v.xy / v.z + p.k.zw + 0.5; }
+
+// Grows the rectangle by the part of edge a-b that lies beyond the near plane.
+void bound_edge(vec3 a, vec3 b, inout vec2 low, inout vec2 high) {
+    if (a.z < p.near_m && b.z < p.near_m) return;
+    if (a.z < p.near_m) a = mix(b, a, (b.z - p.near_m) / (b.z - a.z));
+    if (b.z < p.near_m) b = mix(a, b, (a.z - p.near_m) / (a.z - b.z));
+    a.z = max(a.z, p.near_m);
+    b.z = max(b.z, p.near_m);
+    vec2 pa = to_pixel(a);
+    vec2 pb = to_pixel(b);
+    low = min(low, min(pa, pb));
+    high = max(high, max(pa, pb));
+}
+
+// One work group a triangle. The pixel's ray is met with the triangle's plane in view space, so a
+// corner behind the eye does no harm; the clipped outline only bounds the search.
+void main() {
+    uint slot = gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x;
+    if (slot >= min(large.count, uint(large_triangles.length()))) return;
+    uint id = large_triangles[slot];
+    uvec3 corners = triangle_corners(p, id);
+    vec3 a = to_view(p, depth_point(depth_m[corners.x], rays[corners.x]));
+    vec3 b = to_view(p, depth_point(depth_m[corners.y], rays[corners.y]));
+    vec3 c = to_view(p, depth_point(depth_m[corners.z], rays[corners.z]));
+    vec2 low = vec2(1e9);
+    vec2 high = vec2(-1e9);
+    bound_edge(a, b, low, high);
+    bound_edge(b, c, low, high);
+    bound_edge(c, a, low, high);
+    low = clamp(low, vec2(0.0), vec2(p.target));
+    high = clamp(high, vec2(0.0), vec2(p.target));
+    uvec2 first = uvec2(max(ceil(low - 0.5), 0.0));
+    uvec2 last = uvec2(max(floor(high + 0.5), 0.0));  // one past the end
+    if (last.x <= first.x || last.y <= first.y) return;
+    uint wide = last.x - first.x;
+    uint pixels = wide * (last.y - first.y);
+    vec3 ab = b - a;
+    vec3 ac = c - a;
+    vec3 n = cross(ab, ac);
+    float area2 = dot(n, n);
+    if (!(area2 > 1e-20)) return;
+    vec3 across_b = cross(ac, n) / area2;  // its dot product with (q - a) is the weight of b
+    vec3 across_c = cross(n, ab) / area2;
+    float distance = dot(a, n);
+    const float kSlack = -1e-5;
+    for (uint k = gl_LocalInvocationID.x; k < pixels; k += 64u) {
+        uvec2 pixel = uvec2(first.x + k % wide, first.y + k / wide);
+        vec3 ray = vec3((vec2(pixel) - p.k.zw) / p.k.xy, 1.0);
+        float z = distance / dot(ray, n);
+        vec3 q = ray * z - a;
+        float wb = dot(q, across_b);
+        float wc = dot(q, across_c);
+        if (z >= p.near_m && wb >= kSlack && wc >= kSlack && wb + wc <= 1.0 - kSlack) {
+            put(pixel.y * p.target.x + pixel.x, z, id, p.key_pass);
+        }
+    }
+}
