@@ -37,13 +37,13 @@ std::string kernel() {
 
 std::string describe_machine() {
 #ifdef NDEBUG
-    constexpr const char* build = "optimised build";
+    constexpr const char* kBuild = "optimised build";
 #else
-    constexpr const char* build = "build with assertions: times are not comparable";
+    constexpr const char* kBuild = "build with assertions: times are not comparable";
 #endif
     return fmt::format("{}, {} cores, {:.1f} GiB; {}; compiler {}; {}", processor_model(),
                        std::thread::hardware_concurrency(), memory_gib(), kernel(), __VERSION__,
-                       build);
+                       kBuild);
 }
 
 }  // namespace kino::bench

@@ -53,7 +53,7 @@ Result<void> write_docs(const Entry& entry, const BenchContext& bench, const Opt
         return std::filesystem::path(stem).concat(extension);
     };
     KINO_TRY(write_text(with(".csv"), std::string(csv_header()) + csv_lines(bench)));
-    const Result<void> plotted = write_plot(bench, with(".svg"));
+    Result<void> plotted = write_plot(bench, with(".svg"));
     const std::string machine = describe_machine();
     KINO_TRY(write_text(with(".md"), markdown_page(bench, {.description = entry.description,
                                                            .machine = machine,
