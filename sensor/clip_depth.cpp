@@ -12,17 +12,19 @@ constexpr int kFraction = 16;
 constexpr int kFull = 765 * kFraction;
 /// Chroma cells farther apart than this (sum of both differences, of 255) belong to two surfaces.
 constexpr int kSameSurfaceChroma = 24;
-constexpr int kEdgeRadius = 2;
+constexpr int kRadius = 2;
+/// Far enough below every code that no difference to it is small, and all fit in 16 bits.
+constexpr std::int16_t kNothing = -16000;
 
 /// Nearest point of black (0,0,0) - blue (0,0,255) - cyan (0,255,255) - white (255,255,255), as
 /// r + g + b there. Inputs are 0..255 with four fraction bits and may lie a little outside.
 int ramp_position(int r, int g, int b) {
     constexpr int kTop = 255 * kFraction;
     const auto inside = [&](int v) { return std::clamp(v, 0, kTop); };
-    const auto square = [](int v) { return static_cast<std::int64_t>(v) * v; };
-    const std::int64_t blue = square(r) + square(g) + square(b - inside(b));
-    const std::int64_t cyan = square(r) + square(g - inside(g)) + square(b - kTop);
-    const std::int64_t white = square(r - inside(r)) + square(g - kTop) + square(b - kTop);
+    const auto square = [](int v) { return v * v; };
+    const int blue = square(r) + square(g) + square(b - inside(b));
+    const int cyan = square(r) + square(g - inside(g)) + square(b - kTop);
+    const int white = square(r - inside(r)) + square(g - kTop) + square(b - kTop);
     if (blue <= cyan && blue <= white) return inside(b);
     if (cyan <= white) return kTop + inside(g);
     return 2 * kTop + inside(r);
@@ -54,6 +56,22 @@ Chroma chroma_at(const YuvPicture& picture, int x, int y) {
     add(cx, ny, 3);
     add(nx, ny, 1);
     return sum;
+}
+
+/// Smallest and largest of `in` within kRadius to either side; plain loops, so they vectorise.
+void row_spans(const std::int16_t* in, int width, std::int16_t* low, std::int16_t* high) {
+    std::copy_n(in, width, low);
+    std::copy_n(in, width, high);
+    for (int dx = 1; dx <= std::min(kRadius, width - 1); ++dx) {
+        for (int x = 0; x < width - dx; ++x) {
+            low[x] = std::min(low[x], in[x + dx]);
+            high[x] = std::max(high[x], in[x + dx]);
+        }
+        for (int x = dx; x < width; ++x) {
+            low[x] = std::min(low[x], in[x - dx]);
+            high[x] = std::max(high[x], in[x - dx]);
+        }
+    }
 }
 
 }  // namespace
@@ -93,50 +111,94 @@ void ClipDepth::find_spans() {
         image->resize(width, height);
     }
     for (int y = 0; y < height; ++y) {
-        const std::int16_t* in = code_.row(y);
-        for (int x = 0; x < width; ++x) {
-            const int from = std::max(0, x - kEdgeRadius);
-            const int to = std::min(width - 1, x + kEdgeRadius);
-            const auto [low, high] = std::minmax_element(in + from, in + to + 1);
-            row_low_.at(x, y) = *low;
-            row_high_.at(x, y) = *high;
-        }
+        row_spans(code_.row(y), width, row_low_.row(y), row_high_.row(y));
     }
     for (int y = 0; y < height; ++y) {
-        std::copy_n(row_low_.row(y), width, low_.row(y));
-        std::copy_n(row_high_.row(y), width, high_.row(y));
-        for (int ny = std::max(0, y - kEdgeRadius); ny <= std::min(height - 1, y + kEdgeRadius);
-             ++ny) {
+        std::int16_t* low = low_.row(y);
+        std::int16_t* high = high_.row(y);
+        std::copy_n(row_low_.row(y), width, low);
+        std::copy_n(row_high_.row(y), width, high);
+        for (int ny = std::max(0, y - kRadius); ny <= std::min(height - 1, y + kRadius); ++ny) {
             const std::int16_t* other_low = row_low_.row(ny);
             const std::int16_t* other_high = row_high_.row(ny);
             for (int x = 0; x < width; ++x) {
-                low_.at(x, y) = std::min(low_.at(x, y), other_low[x]);
-                high_.at(x, y) = std::max(high_.at(x, y), other_high[x]);
+                low[x] = std::min(low[x], other_low[x]);
+                high[x] = std::max(high[x], other_high[x]);
             }
+        }
+    }
+}
+
+void ClipDepth::drop_smear() {
+    const int width = code_.width();
+    const int span_limit = static_cast<int>(std::lround(description_.edge_span * kFull));
+    const int least = static_cast<int>(std::ceil(description_.invalid_below * kFull));
+    if (span_limit > 0) find_spans();
+    surface_ = Image<std::int16_t>(width + 2 * kRadius, code_.height() + 2 * kRadius, kNothing);
+    for (int y = 0; y < code_.height(); ++y) {
+        std::int16_t* surface = surface_.row(y + kRadius) + kRadius;
+        for (int x = 0; x < width; ++x) {
+            const std::int16_t code = code_.at(x, y);
+            bool valid = code >= least;
+            if (valid && span_limit > 0) {
+                const int low = low_.at(x, y);
+                const int high = high_.at(x, y);
+                const int quarter = (high - low) / 4;
+                const bool on_far = low >= least && code <= low + quarter;
+                valid = high - low <= span_limit || on_far || code >= high - quarter;
+            }
+            if (valid) surface[x] = code;
+        }
+    }
+}
+
+void ClipDepth::smooth() {
+    const int width = code_.width();
+    const int span = static_cast<int>(std::lround(description_.smooth_span * kFull));
+    sum_.resize(static_cast<std::size_t>(width));
+    count_.resize(static_cast<std::size_t>(width));
+    std::int32_t* const sum = sum_.data();
+    std::int32_t* const count = count_.data();
+    for (int y = 0; y < code_.height(); ++y) {
+        const std::int16_t* own = surface_.row(y + kRadius) + kRadius;
+        const auto is_valid = [](std::int16_t code) { return code != kNothing; };
+        const auto from = static_cast<int>(std::find_if(own, own + width, is_valid) - own);
+        int to = width;
+        while (to > from && !is_valid(own[to - 1])) --to;
+        std::fill(sum, sum + width, 0);
+        std::fill(count, count + width, 0);
+        for (int dy = -kRadius; dy <= kRadius; ++dy) {
+            for (int dx = -kRadius; dx <= kRadius; ++dx) {
+                const std::int16_t* other = surface_.row(y + kRadius + dy) + kRadius + dx;
+                for (int x = from; x < to; ++x) {
+                    const int difference = other[x] - own[x];
+                    const int near = difference <= span && -difference <= span ? 1 : 0;
+                    sum[x] += near * other[x];
+                    count[x] += near;
+                }
+            }
+        }
+        std::int16_t* out = code_.row(y);
+        for (int x = 0; x < width; ++x) {
+            out[x] = own[x] == kNothing
+                         ? kNothing
+                         : static_cast<std::int16_t>((sum[x] + count[x] / 2) / count[x]);
         }
     }
 }
 
 void ClipDepth::decode(const YuvPicture& picture, Image<std::uint16_t>& out) {
     read_codes(picture);
-    const int span_limit = static_cast<int>(std::lround(description_.edge_span * kFull));
-    if (span_limit > 0) find_spans();
-    const int least = static_cast<int>(std::ceil(description_.invalid_below * kFull));
+    drop_smear();
+    smooth();
     const double dark = description_.dark_m * kClipUnitsPerMetre;
     const double per_code = (description_.bright_m * kClipUnitsPerMetre - dark) / kFull;
     out.resize(code_.width(), code_.height());
     for (int y = 0; y < code_.height(); ++y) {
         for (int x = 0; x < code_.width(); ++x) {
-            const int code = code_.at(x, y);
-            bool valid = code >= least;
-            if (valid && span_limit > 0) {
-                const int low = low_.at(x, y);
-                const int high = high_.at(x, y);
-                const int quarter = (high - low) / 4;
-                valid = high - low <= span_limit || code <= low + quarter || code >= high - quarter;
-            }
-            out.at(x, y) =
-                valid ? static_cast<std::uint16_t>(std::lround(dark + per_code * code)) : 0;
+            const std::int16_t code = code_.at(x, y);
+            const double units = dark + per_code * code;
+            out.at(x, y) = code == kNothing ? 0 : static_cast<std::uint16_t>(units + 0.5);
         }
     }
 }

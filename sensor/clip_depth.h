@@ -21,7 +21,10 @@ constexpr double kClipUnitsPerMetre = 8000;
 /// 3. A pixel whose 5x5 neighbourhood spans more than edge_span in v, and which stands in the
 ///    middle of it (more than a quarter of the span from either end), lies on neither surface:
 ///    the codec's blur put it there. Dropped.
-/// 4. z = dark_m + v (bright_m - dark_m).
+/// 4. Each v becomes the mean of those in its 5x5 neighbourhood that differ by at most
+///    smooth_span (Lee 1983, the sigma filter): the code's steps and the codec's blocks go, edges
+///    stay, no pixel appears or vanishes.
+/// 5. z = dark_m + v (bright_m - dark_m).
 class ClipDepth {
   public:
     explicit ClipDepth(ClipDescription description) : description_(std::move(description)) {}
@@ -32,10 +35,14 @@ class ClipDepth {
   private:
     void read_codes(const YuvPicture& picture);
     void find_spans();
+    void drop_smear();
+    void smooth();
 
     ClipDescription description_;
     Image<std::int16_t> code_;  ///< v in 1/16 of 1/765, so 0..12240
     Image<std::int16_t> low_, high_, row_low_, row_high_;
+    Image<std::int16_t> surface_;  ///< code_ of the valid pixels, with a margin all round
+    std::vector<std::int32_t> sum_, count_;
 };
 
 }  // namespace kino

@@ -71,7 +71,8 @@ Result<void> read_times(const JsonCursor& root, Description& out) {
 }
 
 Result<ClipDescription> read_clip(const JsonCursor& object) {
-    KINO_TRY(object.only({"file", "code", "bright_m", "dark_m", "invalid_below", "edge_span"}));
+    KINO_TRY(object.only(
+        {"file", "code", "bright_m", "dark_m", "invalid_below", "edge_span", "smooth_span"}));
     ClipDescription clip;
     KINO_ASSIGN(clip.file, name_of(object, "file"));
     KINO_ASSIGN(const JsonCursor code, object.member("code"));
@@ -86,6 +87,9 @@ Result<ClipDescription> read_clip(const JsonCursor& object) {
     KINO_ASSIGN(clip.invalid_below, number_between(object, "invalid_below", 0, 1));
     if (object.find("edge_span")) {
         KINO_ASSIGN(clip.edge_span, number_between(object, "edge_span", 0, 1));
+    }
+    if (object.find("smooth_span")) {
+        KINO_ASSIGN(clip.smooth_span, number_between(object, "smooth_span", 0, 1));
     }
     return clip;
 }

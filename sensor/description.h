@@ -28,6 +28,7 @@ struct ClipDescription {
     /// Pixels between two surfaces of a 5x5 neighbourhood whose v differ by more than this are a
     /// codec's smear and dropped (sensor/clip_depth.h); 0 keeps everything.
     double edge_span = 0.08;
+    double smooth_span = 0.015;  ///< differences in v that are the code's noise; 0: no smoothing
 };
 
 /// What kinoscope.json says about a folder. A folder of frames:
@@ -42,7 +43,7 @@ struct ClipDescription {
 /// frame of the same file name. Or a clip: in place of depth, color, fps and times_ns (a video has
 /// its own times)
 ///    "clip": {"file": "a.webm", "code": "rgb_sum" | "luma", "bright_m": .., "dark_m": ..,
-///             "invalid_below": .., "edge_span": ..}
+///             "invalid_below": .., "edge_span": .., "smooth_span": ..}
 struct Description {
     std::string name;
     std::string licence;

@@ -202,6 +202,16 @@ Result<void> write_png_rgba8(const fs::path& path, ImageView<const Rgba8> image,
     return save(encode_view(image, 8, SPNG_COLOR_TYPE_TRUECOLOR_ALPHA, options), path);
 }
 
+Result<void> write_png_gray16(const fs::path& path, const Image<std::uint16_t>& image,
+                              PngWriteOptions options) {
+    return write_png_gray16(path, image.view(), options);
+}
+
+Result<void> write_png_rgba8(const fs::path& path, const Image<Rgba8>& image,
+                             PngWriteOptions options) {
+    return write_png_rgba8(path, image.view(), options);
+}
+
 Result<std::vector<std::uint8_t>> encode_png_rgba8(ImageView<const Rgba8> image,
                                                    PngWriteOptions options) {
     KINO_ASSIGN(const Encoded encoded,

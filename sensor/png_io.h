@@ -44,6 +44,11 @@ struct PngWriteOptions {
 [[nodiscard]] Result<void> write_png_rgba8(const std::filesystem::path& path,
                                            ImageView<const Rgba8> image,
                                            PngWriteOptions options = {});
+[[nodiscard]] Result<void> write_png_gray16(const std::filesystem::path& path,
+                                            const Image<std::uint16_t>& image,
+                                            PngWriteOptions options = {});
+[[nodiscard]] Result<void> write_png_rgba8(const std::filesystem::path& path,
+                                           const Image<Rgba8>& image, PngWriteOptions options = {});
 [[nodiscard]] Result<std::vector<std::uint8_t>> encode_png_rgba8(ImageView<const Rgba8> image,
                                                                  PngWriteOptions options = {});
 
