@@ -47,15 +47,21 @@ std::string data_block(const std::string& name, const Rows& rows) {
     return text + "EOD\n";
 }
 
-std::string log_scale(const Rows& rows, bool errors_too) {
-    const auto positive = [&](auto member) {
-        return std::all_of(rows.begin(), rows.end(),
-                           [&](const BenchRow* row) { return row->*member > 0; });
-    };
-    std::string text = "unset logscale\n";
-    if (positive(&BenchRow::ms_median)) text += "set logscale x\n";
-    if (errors_too && positive(&BenchRow::error)) text += "set logscale y\n";
-    return text;
+/// Logarithmic where every value allows it; always with room around, also around a single value.
+std::string axis(char name, const Rows& rows, double BenchRow::*member) {
+    double low = rows.front()->*member;
+    double high = low;
+    for (const BenchRow* row : rows) {
+        low = std::min(low, row->*member);
+        high = std::max(high, row->*member);
+    }
+    if (low > 0) {
+        return fmt::format("set logscale {0}\nset {0}range [{1}:{2}]\n", name, low / 1.5,
+                           high * 1.5);
+    }
+    const double room = high > low ? 0.1 * (high - low) : 1;
+    return fmt::format("unset logscale {0}\nset {0}range [{1}:{2}]\n", name, low - room,
+                       high + room);
 }
 
 std::string error_panel(const std::string& metric, const Rows& rows, int panel) {
