@@ -73,8 +73,8 @@ std::string error_panel(const std::string& metric, const Rows& rows, int panel) 
     }
     const bool swept = std::all_of(rows.begin(), rows.end(),
                                    [](const BenchRow* row) { return is_number(row->level); });
-    std::string text =
-        log_scale(rows, true) + fmt::format("set ylabel {}\n", gnuplot_string(metric));
+    std::string text = axis('x', rows, &BenchRow::ms_median) + axis('y', rows, &BenchRow::error) +
+                       fmt::format("set ylabel {}\n", gnuplot_string(metric));
     std::string plots;
     const auto add_plot = [&](const std::string& block, const std::string& style) {
         plots += fmt::format("{}${} using 1:2 {}", plots.empty() ? "plot " : ", \\\n     ", block,
