@@ -150,6 +150,9 @@ TEST(Projection, RationalDenominatorCrossesZero) {
         ASSERT_TRUE(ray);
         EXPECT_LT(glm::length(*ray), projection.max_radius());
     }
+    // Numerator and denominator cross together: g is back at 1 right behind the pole.
+    camera.k1 = -1.49999;
+    EXPECT_NEAR(Projection(camera).max_radius(), std::sqrt(1 / 1.5), 1e-2);
 }
 
 TEST(Projection, StrongTangentialTermsStayOneToOne) {
@@ -168,6 +171,19 @@ TEST(Projection, StrongTangentialTermsStayOneToOne) {
         ASSERT_TRUE(back) << ray.x << " " << ray.y;
         EXPECT_LT(glm::length(*back - ray) * camera.fx, 0.01);
     }
+    // The disc's image is no disc: just outside it there are pixels whose only ray is outside, too.
+    int refused = 0;
+    for (int y = 0; y < 480; y += 5) {
+        for (int x = 0; x < 640; x += 5) {
+            const auto ray = projection.unproject({x, y});
+            if (ray) {
+                EXPECT_LE(glm::length(*ray), projection.max_radius() * (1 + 1e-12));
+            } else {
+                ++refused;
+            }
+        }
+    }
+    EXPECT_GT(refused, 10);
 }
 
 TEST(ScaledCamera, TheSamePointFallsOnTheSamePlaceOfThePicture) {

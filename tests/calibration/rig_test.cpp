@@ -105,7 +105,7 @@ TEST(Rig, Depth0OrRaw2047Or0xFFFF) {
                 EXPECT_FALSE(any_positive(out.depth_in_color_m));
             }
         }
-        for (const int raw : {2047, 2048, 0x7FFF, 0x8000, 0xFFFF}) {
+        for (const int raw : {2047, 2048, 2048 + 800, 0x7FFF, 0x8000, 0x8000 + 800, 0xFFFF}) {
             DepthFrame frame = flat(64, 48, static_cast<std::uint16_t>(raw));
             frame.unit = DepthUnit::kinect_disparity11;
             const RegisteredDepth out = registered(parameters, frame, {.simd = simd});
@@ -276,16 +276,21 @@ TEST(Rig, PortableAndSimdGiveTheSameBits) {
 
 TEST(Rig, FrameAfterFrameLeavesNothingBehind) {
     RigSamples samples(8);
-    const RigParameters parameters = samples.rig(160, 120);
-    Rig rig = Rig::create(parameters).value();
-    RegisteredDepth out;
-    for (int i = 0; i < 4; ++i) {
-        const DepthFrame frame = samples.room(160, 120);
-        ASSERT_TRUE(rig.register_depth(frame, out));
-        const RegisteredDepth fresh = registered(parameters, frame);
-        EXPECT_TRUE(same_bits(out.depth_m, fresh.depth_m));
-        EXPECT_TRUE(same_bits(out.uv, fresh.uv));
-        EXPECT_TRUE(same_bits(out.depth_in_color_m, fresh.depth_in_color_m));
+    for (const int color_scale : {1, 2}) {
+        RigParameters parameters = samples.rig(160, 120);
+        parameters.color = samples.camera(160 * color_scale, 120 * color_scale);
+        Rig rig = Rig::create(parameters).value();
+        RegisteredDepth out;
+        for (int i = 0; i < 4; ++i) {
+            // A near frame before each room: what it leaves would hide the room.
+            ASSERT_TRUE(rig.register_depth(flat(160, 120, 500), out));
+            const DepthFrame frame = samples.room(160, 120);
+            ASSERT_TRUE(rig.register_depth(frame, out));
+            const RegisteredDepth fresh = registered(parameters, frame);
+            EXPECT_TRUE(same_bits(out.depth_m, fresh.depth_m));
+            EXPECT_TRUE(same_bits(out.uv, fresh.uv));
+            EXPECT_TRUE(same_bits(out.depth_in_color_m, fresh.depth_in_color_m));
+        }
     }
 }
 
