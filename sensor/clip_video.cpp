@@ -32,6 +32,9 @@ struct FormatClose {
 struct CodecFree {
     void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
 };
+struct ParametersFree {
+    void operator()(AVCodecParameters* p) const { avcodec_parameters_free(&p); }
+};
 struct PacketFree {
     void operator()(AVPacket* p) const { av_packet_free(&p); }
 };
@@ -46,6 +49,7 @@ struct IoFree {
 };
 using Format = std::unique_ptr<AVFormatContext, FormatClose>;
 using Codec = std::unique_ptr<AVCodecContext, CodecFree>;
+using Parameters = std::unique_ptr<AVCodecParameters, ParametersFree>;
 using Packet = std::unique_ptr<AVPacket, PacketFree>;
 using Frame = std::unique_ptr<AVFrame, FrameFree>;
 using Io = std::unique_ptr<AVIOContext, IoFree>;
@@ -95,6 +99,12 @@ bool is_shown(const AVPacket& packet) {
     return packet.size > 0 && (packet.data[0] & 0x10) != 0;
 }
 
+/// A group may only start where the container and the bitstream (bit 0 of the frame tag clear)
+/// agree; damage that turns a key frame into another one then joins it to the group before.
+bool is_key(const AVPacket& packet) {
+    return (packet.flags & AV_PKT_FLAG_KEY) != 0 && packet.size > 0 && (packet.data[0] & 1) == 0;
+}
+
 void copy_plane(const AVFrame& frame, int plane, int width, int height, Image<std::uint8_t>& out) {
     out.resize(width, height);
     for (int y = 0; y < height; ++y) {
@@ -110,6 +120,7 @@ struct ClipVideo::State {
     int width = 0;
     int height = 0;
     std::vector<Entry> entries;
+    Parameters parameters;
     Codec codec;
     Frame frame;
     std::int64_t decoded_next = -1;  ///< entry the decoder stands before; -1: unknown
@@ -117,7 +128,7 @@ struct ClipVideo::State {
     std::deque<std::int64_t> kept_order;
 
     Result<void> read_packets(std::vector<std::uint8_t> bytes);
-    Result<void> open_codec(const AVCodecParameters* parameters);
+    Result<void> open_codec();
     Result<std::shared_ptr<const YuvPicture>> decode(std::int64_t index);
     void keep(std::int64_t index, std::shared_ptr<const YuvPicture> picture);
 };
@@ -141,7 +152,16 @@ Result<void> ClipVideo::State::read_packets(std::vector<std::uint8_t> bytes) {
         if (format->streams[i]->codecpar->codec_id == AV_CODEC_ID_VP8) stream = format->streams[i];
     }
     if (!stream) return fail("the video holds no VP8 track", where);
-    KINO_TRY(open_codec(stream->codecpar));
+    width = stream->codecpar->width;
+    height = stream->codecpar->height;
+    if (width <= 0 || height <= 0 || width > kMaxSize || height > kMaxSize) {
+        return fail(fmt::format("a video of {}x{} is not readable", width, height), where);
+    }
+    parameters.reset(avcodec_parameters_alloc());
+    frame.reset(av_frame_alloc());
+    if (!parameters || !frame || avcodec_parameters_copy(parameters.get(), stream->codecpar) < 0) {
+        return fail("out of memory", where);
+    }
 
     std::vector<Packet> waiting;
     const AVRational ns{1, 1'000'000'000};
@@ -149,17 +169,16 @@ Result<void> ClipVideo::State::read_packets(std::vector<std::uint8_t> bytes) {
         Packet packet(av_packet_alloc());
         if (!packet || av_read_frame(format.get(), packet.get()) < 0) break;
         if (packet->stream_index != stream->index || packet->size <= 0) continue;
-        const bool is_key = (packet->flags & AV_PKT_FLAG_KEY) != 0;
         const std::int64_t pts = packet->pts;
         const bool shown = is_shown(*packet);
-        if (entries.empty() && waiting.empty() && !is_key) continue;
+        if (entries.empty() && waiting.empty() && !is_key(*packet)) continue;
         waiting.push_back(std::move(packet));
         if (!shown) continue;
         if (pts == AV_NOPTS_VALUE) return fail("a frame has no time", where);
         Entry entry{std::move(waiting), av_rescale_q(pts, stream->time_base, ns), 0};
         waiting.clear();
         const auto index = static_cast<std::int64_t>(entries.size());
-        const bool starts_group = (entry.packets.front()->flags & AV_PKT_FLAG_KEY) != 0;
+        const bool starts_group = is_key(*entry.packets.front());
         entry.key = starts_group ? index : entries.back().key;
         if (index > 0 && entry.time <= entries.back().time) {
             return fail(fmt::format("the time of frame {} does not rise", index), where);
@@ -170,21 +189,18 @@ Result<void> ClipVideo::State::read_packets(std::vector<std::uint8_t> bytes) {
     return {};
 }
 
-Result<void> ClipVideo::State::open_codec(const AVCodecParameters* parameters) {
-    width = parameters->width;
-    height = parameters->height;
-    if (width <= 0 || height <= 0 || width > kMaxSize || height > kMaxSize) {
-        return fail(fmt::format("a video of {}x{} is not readable", width, height), where);
-    }
+/// Every group gets a fresh decoder: flushing keeps memory of earlier frames alive that a damaged
+/// packet can bring to light.
+Result<void> ClipVideo::State::open_codec() {
     const AVCodec* decoder = avcodec_find_decoder(AV_CODEC_ID_VP8);
     if (!decoder) return fail("this libavcodec has no VP8 decoder", where);
     codec.reset(avcodec_alloc_context3(decoder));
-    frame.reset(av_frame_alloc());
-    if (!codec || !frame) return fail("out of memory", where);
+    if (!codec) return fail("out of memory", where);
     codec->thread_count = 1;
     codec->err_recognition = AV_EF_EXPLODE;
-    if (avcodec_parameters_to_context(codec.get(), parameters) < 0 ||
+    if (avcodec_parameters_to_context(codec.get(), parameters.get()) < 0 ||
         avcodec_open2(codec.get(), decoder, nullptr) < 0) {
+        codec.reset();
         return fail("the VP8 decoder could not be opened", where);
     }
     return {};
@@ -258,11 +274,10 @@ Result<std::shared_ptr<const YuvPicture>> ClipVideo::picture(std::int64_t index)
     State& s = *state_;
     if (const auto found = s.kept.find(index); found != s.kept.end()) return found->second;
     const std::int64_t key = s.entries[static_cast<std::size_t>(index)].key;
-    if (s.decoded_next < key || s.decoded_next > index) {
-        avcodec_flush_buffers(s.codec.get());
-        s.decoded_next = key;
-    }
+    if (s.decoded_next < key || s.decoded_next > index) s.decoded_next = key;
     for (std::int64_t i = s.decoded_next;; ++i) {
+        // A group must not depend on what was decoded before it, damaged packets included.
+        if (i == key) KINO_TRY(s.open_codec());
         KINO_ASSIGN(std::shared_ptr<const YuvPicture> picture, s.decode(i));
         s.keep(i, picture);
         if (i == index) return picture;

@@ -134,7 +134,7 @@ TEST(ClipDepth, SmoothingNeitherMakesNorLosesPixelsAndKeepsEdges) {
     Image<std::uint16_t> rough;
     Image<std::uint16_t> smooth;
     const YuvPicture picture = picture_of(64, 48, [&](int x, int y) {
-        const double noise = (random() % 1000) * 1e-5;
+        const double noise = static_cast<double>(random() % 1000) * 1e-5;
         return (x + y < 50 ? 0.55 : 0.40) + noise;
     });
     ClipDescription clip = kinect_clip();
