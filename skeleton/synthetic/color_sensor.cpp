@@ -51,7 +51,7 @@ void ColorSensor::paint_room(const SyntheticScene& scene) {
         {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}}};
     std::vector<Visibility> samples;
     for (const auto& [dx, dy] : kOffsets) {
-        samples.emplace_back(scene, View(*scene.rig.color, view_from_world, dx, dy));
+        samples.emplace_back(scene, seen_.view().shifted(dx, dy));
     }
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {

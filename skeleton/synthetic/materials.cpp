@@ -195,10 +195,10 @@ raycast::Paint paint_of(const Primitive& solid) {
     const bool hair = solid.material == Material::hair;
     if (solid.material == Material::skin) paint.wrap = 0.45f;
     if (cloth || hair) {
-        paint.fold = hair ? 0.22f : 0.13f;
-        const double per_m = hair ? 95 : 17;
+        paint.fold = hair ? 0.22f : 0.085f;
+        const double per_m = hair ? 95 : 11;
         paint.fold_x = static_cast<float>(per_m * glm::length(solid.axes[0]));
-        paint.fold_y = static_cast<float>((hair ? 30 : 13) * glm::length(solid.axes[1]));
+        paint.fold_y = static_cast<float>((hair ? 30 : 7) * glm::length(solid.axes[1]));
     }
     return paint;
 }

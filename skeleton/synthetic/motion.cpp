@@ -55,9 +55,14 @@ BodyPose idle(double t) {
     return pose;
 }
 
+// By way of a third pose, without a stop there: arms pass outwards, not through the chest.
+BodyPose blend_past(const BodyPose& from, const BodyPose& past, const BodyPose& to, double w) {
+    return blend(blend(from, past, w), blend(past, to, w), w);
+}
+
 BodyPose waving(double t) {
     BodyPose pose = idle(t);
-    const double up = window(t, 0.8, 9.2, 1.1);
+    const double up = window(t, 0.7, 9.3, 1.3);
     const double swing = wave(t, 12) * window(t, 1.5, 8.5, 0.8);
     ArmPose raised;
     raised.upper = glm::normalize(dvec3(-0.86, 0.10, 0.30));
@@ -69,7 +74,11 @@ BodyPose waving(double t) {
     high.arm[1] = raised;
     high.spine = pose.spine * turned(0.05, kZ);
     high.neck = turned(0.06 * swing - 0.04, kZ) * turned(-0.05, kX);
-    return blend(pose, high, up);
+    BodyPose half_way = pose;
+    half_way.arm[1] = {glm::normalize(dvec3(-0.85, -0.35, 0.40)),
+                       glm::normalize(dvec3(-0.80, 0.10, 0.65)),
+                       glm::normalize(dvec3(-0.80, 0.20, 0.55)), dvec3(0.2, -0.3, 1), 0.05};
+    return blend_past(pose, half_way, high, up);
 }
 
 BodyPose swiping(double t) {
@@ -102,7 +111,7 @@ BodyPose raising(double t) {
         arm.palm = dvec3(-0.2 * s, 0, 1);
         arm.shrug_rad = 0.40;
     }
-    BodyPose side_up = pose;  // half way the arms pass outwards, not through the chest
+    BodyPose side_up = pose;
     for (int side = 0; side < 2; ++side) {
         const double s = sign_of(side);
         side_up.arm[side] = {glm::normalize(dvec3(s, -0.1, 0.15)),
@@ -110,7 +119,7 @@ BodyPose raising(double t) {
                              dvec3(0, -0.4, 1), 0.15};
     }
     const double up = window(t, 0.8, 9.2, 2.4);
-    return up < 0.5 ? blend(pose, side_up, ease(2 * up)) : blend(side_up, high, ease(2 * up - 1));
+    return blend_past(pose, side_up, high, up);
 }
 
 BodyPose pushing(double t) {

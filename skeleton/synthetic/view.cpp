@@ -41,24 +41,52 @@ Place grow(const dvec3& c, const dmat3& shape, double lo[2], double hi[2], doubl
 
 }  // namespace
 
-View::View(const CameraModel& camera, const Pose& view_from_world, double shift_x_px,
-           double shift_y_px)
+View::View(const CameraModel& camera, const Pose& view_from_world)
     : view_from_world_(view_from_world),
       ray_x_(camera.width, camera.height),
       ray_y_(camera.width, camera.height) {
     KINO_CHECK_EQ(camera.width % 8, 0);
     const Projection projection(camera);
-    const float inf = std::numeric_limits<float>::infinity();
-    column_max_.assign(static_cast<std::size_t>(camera.width), -inf);
-    column_min_.assign(static_cast<std::size_t>(camera.width), inf);
-    row_max_.assign(static_cast<std::size_t>(camera.height), -inf);
-    row_min_.assign(static_cast<std::size_t>(camera.height), inf);
     for (int y = 0; y < camera.height; ++y) {
         for (int x = 0; x < camera.width; ++x) {
-            const glm::dvec2 ray = projection.unproject_clamped({x + shift_x_px, y + shift_y_px});
-            const auto rx = static_cast<float>(ray.x), ry = static_cast<float>(ray.y);
-            ray_x_.at(x, y) = rx;
-            ray_y_.at(x, y) = ry;
+            const glm::dvec2 ray = projection.unproject_clamped({x, y});
+            ray_x_.at(x, y) = static_cast<float>(ray.x);
+            ray_y_.at(x, y) = static_cast<float>(ray.y);
+        }
+    }
+    find_extremes();
+}
+
+View View::shifted(double x_px, double y_px) const {
+    View out = *this;
+    const auto u = static_cast<float>(x_px), v = static_cast<float>(y_px);
+    const auto shift = [&](const Image<float>& from, Image<float>& to) {
+        const int right = width() - 1, bottom = height() - 1;
+        for (int y = 0; y <= bottom; ++y) {
+            const int above = std::max(y - 1, 0), below = std::min(y + 1, bottom);
+            for (int x = 0; x <= right; ++x) {
+                const int left = std::max(x - 1, 0), next = std::min(x + 1, right);
+                const float dx = (from.at(next, y) - from.at(left, y)) / float(next - left);
+                const float dy = (from.at(x, below) - from.at(x, above)) / float(below - above);
+                to.at(x, y) = from.at(x, y) + u * dx + v * dy;
+            }
+        }
+    };
+    shift(ray_x_, out.ray_x_);
+    shift(ray_y_, out.ray_y_);
+    out.find_extremes();
+    return out;
+}
+
+void View::find_extremes() {
+    const float inf = std::numeric_limits<float>::infinity();
+    column_max_.assign(static_cast<std::size_t>(width()), -inf);
+    column_min_.assign(static_cast<std::size_t>(width()), inf);
+    row_max_.assign(static_cast<std::size_t>(height()), -inf);
+    row_min_.assign(static_cast<std::size_t>(height()), inf);
+    for (int y = 0; y < height(); ++y) {
+        for (int x = 0; x < width(); ++x) {
+            const float rx = ray_x_.at(x, y), ry = ray_y_.at(x, y);
             const auto column = static_cast<std::size_t>(x), row = static_cast<std::size_t>(y);
             column_max_[column] = std::max(column_max_[column], rx);
             column_min_[column] = std::min(column_min_[column], rx);

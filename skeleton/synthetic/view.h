@@ -16,10 +16,12 @@ namespace kino {
 /// must be multiples of 8. Pixels whose distortion has no inverse get the nearest ray that has.
 class View {
   public:
-    /// The camera must pass validate(); `view_from_world` must be a valid pose. `shift_px` moves
-    /// the point within each pixel that the ray goes through (for several samples a pixel).
-    View(const CameraModel& camera, const Pose& view_from_world, double shift_x_px = 0,
-         double shift_y_px = 0);
+    /// The camera must pass validate(); `view_from_world` must be a valid pose.
+    View(const CameraModel& camera, const Pose& view_from_world);
+
+    /// The same view with its rays through other points of the pixels, up to half a pixel away: for
+    /// several samples a pixel. Rays are interpolated, good to far below the spacing of samples.
+    [[nodiscard]] View shifted(double x_px, double y_px) const;
 
     [[nodiscard]] int width() const { return ray_x_.width(); }
     [[nodiscard]] int height() const { return ray_x_.height(); }
@@ -44,6 +46,8 @@ class View {
     [[nodiscard]] std::optional<Outline> outline(const Primitive& solid, double eye_x_m) const;
     [[nodiscard]] raycast::Rect pixels(const Outline& outline) const;
     [[nodiscard]] raycast::Rect everything() const { return {0, 0, width(), height()}; }
+
+    void find_extremes();
 
     Pose view_from_world_;
     Image<float> ray_x_, ray_y_;
