@@ -14,9 +14,18 @@ Result<void> validate(const CameraModel& c, const std::string& name) {
         return fail(fmt::format("image size {}x{} is not usable", c.width, c.height), name,
                     "sizes run from 1 to 16384");
     }
-    const std::array<std::pair<const char*, double>, 12> numbers = {
-        {{"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"k1", c.k1}, {"k2", c.k2},
-         {"k3", c.k3}, {"k4", c.k4}, {"k5", c.k5}, {"k6", c.k6}, {"p1", c.p1}, {"p2", c.p2}}};
+    const std::array<std::pair<const char*, double>, 12> numbers = {{{"fx", c.fx},
+                                                                     {"fy", c.fy},
+                                                                     {"cx", c.cx},
+                                                                     {"cy", c.cy},
+                                                                     {"k1", c.k1},
+                                                                     {"k2", c.k2},
+                                                                     {"k3", c.k3},
+                                                                     {"k4", c.k4},
+                                                                     {"k5", c.k5},
+                                                                     {"k6", c.k6},
+                                                                     {"p1", c.p1},
+                                                                     {"p2", c.p2}}};
     for (const auto& [key, value] : numbers) {
         if (!std::isfinite(value)) {
             return fail(fmt::format("calibration value {} is not a finite number", key), name);
@@ -43,9 +52,9 @@ Result<void> validate(const RigParameters& rig) {
     }
     if (!(rig.min_depth_m >= 0) || !(rig.max_depth_m > rig.min_depth_m) ||
         !std::isfinite(rig.max_depth_m)) {
-        return fail(fmt::format("depth range {} to {} m is empty", rig.min_depth_m,
-                                rig.max_depth_m),
-                    "depth range");
+        return fail(
+            fmt::format("depth range {} to {} m is empty", rig.min_depth_m, rig.max_depth_m),
+            "depth range");
     }
     return {};
 }

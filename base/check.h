@@ -19,18 +19,18 @@ std::string describe_pair(const A& a, const B& b) {
 
 /// For programmer errors only: prints the place and ends the process. What the world can break
 /// goes through Result instead.
-#define KINO_CHECK(condition)                                                       \
-    do {                                                                            \
-        if (!(condition)) [[unlikely]]                                              \
-            ::kino::detail::check_failed(__FILE__, __LINE__, #condition, {});       \
+#define KINO_CHECK(condition)                                                 \
+    do {                                                                      \
+        if (!(condition)) [[unlikely]]                                        \
+            ::kino::detail::check_failed(__FILE__, __LINE__, #condition, {}); \
     } while (false)
 
-#define KINO_CHECK_OP(a, op, b)                                                     \
-    do {                                                                            \
-        const auto& kino_a = (a);                                                   \
-        const auto& kino_b = (b);                                                   \
-        if (!(kino_a op kino_b)) [[unlikely]]                                       \
-            ::kino::detail::check_failed(__FILE__, __LINE__, #a " " #op " " #b,     \
+#define KINO_CHECK_OP(a, op, b)                                                          \
+    do {                                                                                 \
+        const auto& kino_a = (a);                                                        \
+        const auto& kino_b = (b);                                                        \
+        if (!(kino_a op kino_b)) [[unlikely]]                                            \
+            ::kino::detail::check_failed(__FILE__, __LINE__, #a " " #op " " #b,          \
                                          ::kino::detail::describe_pair(kino_a, kino_b)); \
     } while (false)
 #define KINO_CHECK_EQ(a, b) KINO_CHECK_OP(a, ==, b)

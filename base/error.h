@@ -30,21 +30,21 @@ using Result = tl::expected<T, Error>;
 }  // namespace kino
 
 /// Evaluates a Result; on error returns it from the enclosing function, else yields nothing.
-#define KINO_TRY(expression)                                                         \
-    do {                                                                             \
-        if (auto kino_try_result = (expression); !kino_try_result) {                 \
+#define KINO_TRY(expression)                                                          \
+    do {                                                                              \
+        if (auto kino_try_result = (expression); !kino_try_result) {                  \
             return tl::unexpected<::kino::Error>(std::move(kino_try_result).error()); \
-        }                                                                            \
+        }                                                                             \
     } while (false)
 
 #define KINO_CONCAT_INNER(a, b) a##b
 #define KINO_CONCAT(a, b) KINO_CONCAT_INNER(a, b)
 
 /// KINO_ASSIGN(auto frame, read_frame(path)): declares `frame`, or returns the error.
-#define KINO_ASSIGN(declaration, expression)                                    \
-    auto KINO_CONCAT(kino_result_, __LINE__) = (expression);                    \
-    if (!KINO_CONCAT(kino_result_, __LINE__)) {                                 \
-        return tl::unexpected<::kino::Error>(                                   \
-            std::move(KINO_CONCAT(kino_result_, __LINE__)).error());            \
-    }                                                                           \
+#define KINO_ASSIGN(declaration, expression)                         \
+    auto KINO_CONCAT(kino_result_, __LINE__) = (expression);         \
+    if (!KINO_CONCAT(kino_result_, __LINE__)) {                      \
+        return tl::unexpected<::kino::Error>(                        \
+            std::move(KINO_CONCAT(kino_result_, __LINE__)).error()); \
+    }                                                                \
     declaration = std::move(*KINO_CONCAT(kino_result_, __LINE__))

@@ -33,6 +33,8 @@ bool is_valid(const Pose& pose) {
            std::isfinite(t.y) && std::isfinite(t.z);
 }
 
-Pose world_from_camera_axes() { return {glm::dquat(0, 1, 0, 0), glm::dvec3(0)}; }
+Pose world_from_camera_axes() {
+    return {glm::dquat(0, 1, 0, 0), glm::dvec3(0)};
+}
 
 }  // namespace kino

@@ -84,9 +84,13 @@ TextureId add_background_only(FrameGraph& graph, const Scene& scene, TextureId t
 Renderer::Renderer(gpu::Device& device)
     : device_(device), pipelines_(device), executor_(device, pipelines_), rasterizer_(device) {}
 
-Renderer::~Renderer() { device_.wait_idle(); }
+Renderer::~Renderer() {
+    device_.wait_idle();
+}
 
-void Renderer::cut() { executor_.history().cut(); }
+void Renderer::cut() {
+    executor_.history().cut();
+}
 
 Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
                                      const PictureTarget& target, const FrameOptions& options) {
@@ -113,19 +117,21 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     SurfaceTargets surface;
     if (live) {
         // Without light the surface's colour is the picture, so it is drawn straight into it.
-        surface.albedo = lit ? graph.create_texture(
-                                   "albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM})
-                             : picture;
+        surface.albedo =
+            lit ? graph.create_texture("albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM})
+                : picture;
         if (lit || skeleton || probing || options.read_surface) {
             surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
         }
-        if (lit) surface.normal = graph.create_texture("normal", {width, height, kNormalFormat});
+        if (lit || options.read_surface) {
+            surface.normal = graph.create_texture("normal", {width, height, kNormalFormat});
+        }
         if (options.read_surface) {
             surface.id = graph.create_texture("id", {width, height, kIdFormat});
         }
-        surface = rasterizer_.add(graph, *scene.live, view, options.raster, surface,
-                                  pack_srgb(scene.background_top),
-                                  pack_srgb(scene.background_bottom));
+        surface =
+            rasterizer_.add(graph, *scene.live, view, options.raster, surface,
+                            pack_srgb(scene.background_top), pack_srgb(scene.background_bottom));
         if (lit) {
             const TextureId linear = add_light_pass(graph, scene, view, surface);
             picture = add_final_pass(graph, scene, linear, picture);
@@ -165,6 +171,9 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
         add_readback(graph, "frame/read depth", surface.view_z, {}, target.extent,
                      view_z_readback_);
         add_readback(graph, "frame/read id", surface.id, {}, target.extent, id_readback_);
+        KINO_TRY(fit(device_, normal_readback_, "normal readback", pixels * 4));
+        add_readback(graph, "frame/read normal", surface.normal, {}, target.extent,
+                     normal_readback_);
     }
     if (probing) {
         KINO_TRY(fit(device_, probe_readback_, "probe", 16));
@@ -186,6 +195,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     if (options.read_surface && live) {
         copy_out(view_z_readback_, view.width, view.height, result.surface.view_z_m);
         copy_out(id_readback_, view.width, view.height, result.surface.id);
+        copy_out(normal_readback_, view.width, view.height, result.surface.normal);
     }
     if (probing) {
         const float z = probe_readback_.read<float>()[0];
@@ -201,8 +211,8 @@ Result<FrameResult> Renderer::render_to_image(const Scene& scene, const View& vi
     if (own_target_.extent().width != extent.width ||
         own_target_.extent().height != extent.height) {
         own_target_ = gpu::Texture();
-        KINO_ASSIGN(own_target_, gpu::Texture::create(device_, "own picture", extent,
-                                                      VK_FORMAT_R8G8B8A8_UNORM));
+        KINO_ASSIGN(own_target_,
+                    gpu::Texture::create(device_, "own picture", extent, VK_FORMAT_R8G8B8A8_UNORM));
         const auto moved = device_.submit_and_wait([&](VkCommandBuffer commands) {
             gpu::Commands(device_, commands).to_general(own_target_.image());
         });

@@ -38,8 +38,9 @@ struct FrameOptions {
 
 /// The surface as the host gets it, for tests, picking and benches. Row-major, picture size.
 struct SurfaceReadback {
-    Image<float> view_z_m;       ///< 0: nothing
-    Image<std::uint32_t> id;     ///< depth pixel (cloud) or triangle (mesh); ~0: nothing
+    Image<float> view_z_m;        ///< 0: nothing
+    Image<std::uint32_t> id;      ///< depth pixel (cloud) or triangle (mesh); ~0: nothing
+    Image<std::uint32_t> normal;  ///< octahedral, two 16-bit snorm, view space
 };
 
 struct FrameResult {
@@ -90,6 +91,7 @@ class Renderer {
     gpu::Buffer picture_readback_;
     gpu::Buffer view_z_readback_;
     gpu::Buffer id_readback_;
+    gpu::Buffer normal_readback_;
     gpu::Buffer probe_readback_;
     bool keep_graphviz_ = false;
     std::string graphviz_;

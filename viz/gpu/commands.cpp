@@ -20,9 +20,8 @@ void Commands::bind(const Pipeline& pipeline, std::initializer_list<Bound> resou
     std::uint32_t i = 0;
     for (const Bound& resource : resources) {
         VkWriteDescriptorSet& write = writes[i];
-        write = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                 .dstBinding = i,
-                 .descriptorCount = 1};
+        write = {
+            .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstBinding = i, .descriptorCount = 1};
         if (pipeline.bindings[i] == Binding::storage) {
             KINO_CHECK(resource.buffer != VK_NULL_HANDLE);
             buffers[i] = {resource.buffer, resource.offset, resource.bytes};
@@ -94,7 +93,9 @@ void Commands::begin_rendering(VkExtent2D extent, std::span<const Target> colors
     viewport({{0, 0}, extent});
 }
 
-void Commands::end_rendering() { vkCmdEndRendering(buffer_); }
+void Commands::end_rendering() {
+    vkCmdEndRendering(buffer_);
+}
 
 void Commands::viewport(VkRect2D rect) {
     const VkViewport port{static_cast<float>(rect.offset.x),
@@ -145,12 +146,12 @@ void Commands::to_present(VkImage image) {
 }
 
 void Commands::full_barrier() {
-    const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                   .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                   .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                                   .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                   .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT |
-                                                    VK_ACCESS_2_MEMORY_WRITE_BIT};
+    const VkMemoryBarrier2 barrier{
+        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
     const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                                       .memoryBarrierCount = 1,
                                       .pMemoryBarriers = &barrier};

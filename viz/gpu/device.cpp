@@ -49,11 +49,16 @@ bool has_extension(VkPhysicalDevice device, const char* wanted) {
 
 int rank(VkPhysicalDeviceType type) {
     switch (type) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-        case VK_PHYSICAL_DEVICE_TYPE_CPU: return 3;
-        default: return 4;
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+            return 0;
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+            return 1;
+        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+            return 2;
+        case VK_PHYSICAL_DEVICE_TYPE_CPU:
+            return 3;
+        default:
+            return 4;
     }
 }
 
@@ -74,8 +79,8 @@ bool matches(const VkPhysicalDeviceProperties& properties, const std::string& wa
 DeviceInfo describe(VkPhysicalDevice physical) {
     VkPhysicalDeviceDriverProperties driver{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-    VkPhysicalDeviceProperties2 properties{
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+    VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+                                           .pNext = &driver};
     vkGetPhysicalDeviceProperties2(physical, &properties);
     VkPhysicalDeviceVulkan12Features features12{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
@@ -247,10 +252,9 @@ Result<void> Device::create_device(bool presents) {
     const VkPipelineCacheCreateInfo cache{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
     KINO_VK_TRY(vkCreatePipelineCache(device_, &cache, nullptr, &pipeline_cache_),
                 "creating the pipeline cache");
-    const VkCommandPoolCreateInfo pool{
-        .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-        .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-        .queueFamilyIndex = queue_family_};
+    const VkCommandPoolCreateInfo pool{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                       .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+                                       .queueFamilyIndex = queue_family_};
     KINO_VK_TRY(vkCreateCommandPool(device_, &pool, nullptr, &pool_), "creating a command pool");
     const VkCommandBufferAllocateInfo allocate{
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
@@ -290,9 +294,9 @@ Result<VkDeviceMemory> Device::allocate(const VkMemoryRequirements& needs, Memor
     constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     // Best first. Coherent memory only: then nobody has to think of flushes.
     static constexpr std::array<std::array<VkMemoryPropertyFlags, 3>, 3> kPreferences = {{
-        {kLocal, kLocal, 0},                            // device
-        {kLocal | kMapped, kMapped, kMapped},           // upload
-        {kMapped | kCached, kMapped, kMapped},          // readback
+        {kLocal, kLocal, 0},                    // device
+        {kLocal | kMapped, kMapped, kMapped},   // upload
+        {kMapped | kCached, kMapped, kMapped},  // readback
     }};
     for (const VkMemoryPropertyFlags flags : kPreferences[static_cast<std::size_t>(use)]) {
         for (std::uint32_t type = 0; type < memory_types_.memoryTypeCount; ++type) {
@@ -320,14 +324,13 @@ void Device::release(VkDeviceMemory memory, VkDeviceSize bytes) {
 }
 
 Result<TimeNs> Device::submit_and_wait(const std::function<void(VkCommandBuffer)>& record) {
-    const VkCommandBufferBeginInfo begin{
-        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+    const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     KINO_VK_TRY(vkBeginCommandBuffer(commands_, &begin), "recording");
     record(commands_);
     KINO_VK_TRY(vkEndCommandBuffer(commands_), "recording");
-    const VkCommandBufferSubmitInfo buffer{
-        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, .commandBuffer = commands_};
+    const VkCommandBufferSubmitInfo buffer{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+                                           .commandBuffer = commands_};
     const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
                                .commandBufferInfoCount = 1,
                                .pCommandBufferInfos = &buffer};
@@ -339,7 +342,9 @@ Result<TimeNs> Device::submit_and_wait(const std::function<void(VkCommandBuffer)
     return elapsed;
 }
 
-void Device::wait_idle() const { vkDeviceWaitIdle(device_); }
+void Device::wait_idle() const {
+    vkDeviceWaitIdle(device_);
+}
 
 Result<std::vector<DeviceInfo>> list_devices() {
     if (volkInitialize() != VK_SUCCESS) {

@@ -33,7 +33,8 @@ Result<VkShaderModule> make_module(Device& device, std::span<const std::uint32_t
 struct Stages {
     explicit Stages(Device& d) : device(d) {}
     ~Stages() {
-        for (const auto& stage : infos) vkDestroyShaderModule(device.handle(), stage.module, nullptr);
+        for (const auto& stage : infos)
+            vkDestroyShaderModule(device.handle(), stage.module, nullptr);
     }
     Stages(const Stages&) = delete;
     Stages& operator=(const Stages&) = delete;
@@ -198,16 +199,15 @@ Result<std::unique_ptr<Pipeline>> Pipelines::create(const PipelineDesc& desc) {
         .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
         .bindingCount = static_cast<std::uint32_t>(bindings.size()),
         .pBindings = bindings.data()};
-    KINO_VK_TRY(vkCreateDescriptorSetLayout(device_.handle(), &set_layout, nullptr,
-                                            &pipeline->set_layout),
-                "laying out " + desc.name);
+    KINO_VK_TRY(
+        vkCreateDescriptorSetLayout(device_.handle(), &set_layout, nullptr, &pipeline->set_layout),
+        "laying out " + desc.name);
     const VkPushConstantRange range{.stageFlags = stages_flags, .size = desc.push_bytes};
-    const VkPipelineLayoutCreateInfo layout{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-        .setLayoutCount = 1,
-        .pSetLayouts = &pipeline->set_layout,
-        .pushConstantRangeCount = desc.push_bytes > 0 ? 1u : 0u,
-        .pPushConstantRanges = &range};
+    const VkPipelineLayoutCreateInfo layout{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                            .setLayoutCount = 1,
+                                            .pSetLayouts = &pipeline->set_layout,
+                                            .pushConstantRangeCount = desc.push_bytes > 0 ? 1u : 0u,
+                                            .pPushConstantRanges = &range};
     KINO_VK_TRY(vkCreatePipelineLayout(device_.handle(), &layout, nullptr, &pipeline->layout),
                 "laying out " + desc.name);
 

@@ -27,8 +27,8 @@ struct PipelineDesc {
     std::span<const std::uint32_t> geometry;
     std::span<const std::uint32_t> fragment;
     std::vector<Binding> bindings;
-    std::uint32_t push_bytes = 0;                ///< at most 128
-    std::vector<std::uint32_t> constants;        ///< specialisation constants 0, 1, ...
+    std::uint32_t push_bytes = 0;          ///< at most 128
+    std::vector<std::uint32_t> constants;  ///< specialisation constants 0, 1, ...
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     std::vector<VkFormat> color_formats;
     VkFormat depth_format = VK_FORMAT_UNDEFINED;  ///< set: reversed-Z test and write

@@ -6,8 +6,7 @@
 
 namespace kino::gpu {
 
-Result<Buffer> Buffer::create(Device& device, std::string name, VkDeviceSize bytes,
-                              MemoryUse use) {
+Result<Buffer> Buffer::create(Device& device, std::string name, VkDeviceSize bytes, MemoryUse use) {
     KINO_CHECK(bytes > 0);
     Buffer buffer;
     buffer.device_ = &device;
@@ -28,9 +27,9 @@ Result<Buffer> Buffer::create(Device& device, std::string name, VkDeviceSize byt
     KINO_VK_TRY(vkBindBufferMemory(device.handle(), buffer.buffer_, buffer.memory_, 0),
                 "binding buffer " + name);
     if (use != MemoryUse::device) {
-        KINO_VK_TRY(vkMapMemory(device.handle(), buffer.memory_, 0, VK_WHOLE_SIZE, 0,
-                                &buffer.mapped_),
-                    "mapping buffer " + name);
+        KINO_VK_TRY(
+            vkMapMemory(device.handle(), buffer.memory_, 0, VK_WHOLE_SIZE, 0, &buffer.mapped_),
+            "mapping buffer " + name);
     }
     return buffer;
 }
@@ -41,7 +40,9 @@ Buffer::~Buffer() {
     if (memory_ != VK_NULL_HANDLE) device_->release(memory_, allocated_);
 }
 
-Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+Buffer::Buffer(Buffer&& other) noexcept {
+    *this = std::move(other);
+}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
     std::swap(device_, other.device_);
@@ -71,9 +72,8 @@ Result<Texture> Texture::create(Device& device, std::string name, VkExtent2D ext
         .tiling = VK_IMAGE_TILING_OPTIMAL,
         .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                  VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                 static_cast<VkImageUsageFlags>(depth
-                                                    ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
-                                                    : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)};
+                 static_cast<VkImageUsageFlags>(depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
+                                                      : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)};
     KINO_VK_TRY(vkCreateImage(device.handle(), &create, nullptr, &texture.image_),
                 "creating image " + name);
     VkMemoryRequirements needs;
@@ -104,7 +104,9 @@ Texture::~Texture() {
     if (memory_ != VK_NULL_HANDLE) device_->release(memory_, allocated_);
 }
 
-Texture::Texture(Texture&& other) noexcept { *this = std::move(other); }
+Texture::Texture(Texture&& other) noexcept {
+    *this = std::move(other);
+}
 
 Texture& Texture::operator=(Texture&& other) noexcept {
     std::swap(device_, other.device_);
@@ -117,21 +119,29 @@ Texture& Texture::operator=(Texture&& other) noexcept {
     return *this;
 }
 
-bool is_depth_format(VkFormat format) { return format == VK_FORMAT_D32_SFLOAT; }
+bool is_depth_format(VkFormat format) {
+    return format == VK_FORMAT_D32_SFLOAT;
+}
 
 std::uint32_t bytes_per_pixel(VkFormat format) {
     switch (format) {
-        case VK_FORMAT_R8_UNORM: return 1;
+        case VK_FORMAT_R8_UNORM:
+            return 1;
         case VK_FORMAT_R8G8B8A8_UNORM:
         case VK_FORMAT_B8G8R8A8_UNORM:
         case VK_FORMAT_R32_SFLOAT:
         case VK_FORMAT_R32_UINT:
         case VK_FORMAT_R16G16_SNORM:
-        case VK_FORMAT_D32_SFLOAT: return 4;
+        case VK_FORMAT_D32_SFLOAT:
+            return 4;
         case VK_FORMAT_R16G16B16A16_SFLOAT:
-        case VK_FORMAT_R32G32_UINT: return 8;
-        case VK_FORMAT_R32G32B32A32_SFLOAT: return 16;
-        default: KINO_CHECK(!"a format Kinoscope does not use"); return 0;
+        case VK_FORMAT_R32G32_UINT:
+            return 8;
+        case VK_FORMAT_R32G32B32A32_SFLOAT:
+            return 16;
+        default:
+            KINO_CHECK(!"a format Kinoscope does not use");
+            return 0;
     }
 }
 

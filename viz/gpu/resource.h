@@ -15,8 +15,8 @@ namespace kino::gpu {
 class Buffer {
   public:
     Buffer() = default;
-    [[nodiscard]] static Result<Buffer> create(Device& device, std::string name,
-                                               VkDeviceSize bytes, MemoryUse use);
+    [[nodiscard]] static Result<Buffer> create(Device& device, std::string name, VkDeviceSize bytes,
+                                               MemoryUse use);
     ~Buffer();
     Buffer(Buffer&& other) noexcept;
     Buffer& operator=(Buffer&& other) noexcept;
@@ -30,8 +30,7 @@ class Buffer {
     template <class T>
     void write(std::span<const T> values, VkDeviceSize byte_offset = 0) {
         KINO_CHECK(mapped_ != nullptr && byte_offset + values.size_bytes() <= bytes_);
-        std::memcpy(static_cast<char*>(mapped_) + byte_offset, values.data(),
-                    values.size_bytes());
+        std::memcpy(static_cast<char*>(mapped_) + byte_offset, values.data(), values.size_bytes());
     }
     template <class T>
     [[nodiscard]] std::span<const T> read() const {
@@ -52,8 +51,8 @@ class Buffer {
 class Texture {
   public:
     Texture() = default;
-    [[nodiscard]] static Result<Texture> create(Device& device, std::string name,
-                                                VkExtent2D extent, VkFormat format);
+    [[nodiscard]] static Result<Texture> create(Device& device, std::string name, VkExtent2D extent,
+                                                VkFormat format);
     ~Texture();
     Texture(Texture&& other) noexcept;
     Texture& operator=(Texture&& other) noexcept;

@@ -15,9 +15,9 @@ namespace kino::gpu {
 
 }  // namespace kino::gpu
 
-#define KINO_VK_TRY(call, doing)                                                     \
-    do {                                                                             \
-        if (const VkResult kino_vk = (call); kino_vk != VK_SUCCESS) {                \
-            return ::kino::gpu::vulkan_error(kino_vk, doing);                        \
-        }                                                                            \
+#define KINO_VK_TRY(call, doing)                                      \
+    do {                                                              \
+        if (const VkResult kino_vk = (call); kino_vk != VK_SUCCESS) { \
+            return ::kino::gpu::vulkan_error(kino_vk, doing);         \
+        }                                                             \
     } while (false)

@@ -13,8 +13,7 @@ namespace {
 constexpr std::uint64_t kUploadBytes = 1 << 20;
 }
 
-bool PassContext::bind(const gpu::PipelineDesc& desc,
-                       std::initializer_list<gpu::Bound> resources) {
+bool PassContext::bind(const gpu::PipelineDesc& desc, std::initializer_list<gpu::Bound> resources) {
     if (executor_.error_) return false;
     auto pipeline = executor_.pipelines_.get(desc);
     if (!pipeline) {
@@ -44,12 +43,13 @@ VkImage PassContext::image(TextureId id) const {
                              : executor_.texture_of_resource_[id.index]->image();
 }
 
-TextureDesc PassContext::desc(TextureId id) const { return graph_.resources()[id.index].texture; }
+TextureDesc PassContext::desc(TextureId id) const {
+    return graph_.resources()[id.index].texture;
+}
 
 gpu::Bound PassContext::upload(const void* data, std::size_t bytes) {
     const VkDeviceSize alignment = executor_.device_.info().storage_alignment;
-    const std::uint64_t offset =
-        (executor_.upload_used_ + alignment - 1) / alignment * alignment;
+    const std::uint64_t offset = (executor_.upload_used_ + alignment - 1) / alignment * alignment;
     // Per-frame data is small and bounded by the scene checks; more is a programmer's error.
     KINO_CHECK_LE(offset + bytes, kUploadBytes);
     executor_.upload_.write(std::span(static_cast<const char*>(data), bytes), offset);
@@ -60,7 +60,9 @@ gpu::Bound PassContext::upload(const void* data, std::size_t bytes) {
 Executor::Executor(gpu::Device& device, gpu::Pipelines& pipelines)
     : device_(device), pipelines_(pipelines) {}
 
-Executor::~Executor() { device_.wait_idle(); }
+Executor::~Executor() {
+    device_.wait_idle();
+}
 
 Result<const gpu::Buffer*> Executor::pooled_buffer(const std::string& name, std::uint64_t bytes) {
     for (auto& pooled : buffers_) {
@@ -70,8 +72,7 @@ Result<const gpu::Buffer*> Executor::pooled_buffer(const std::string& name, std:
         }
     }
     auto pooled = std::make_unique<PooledBuffer>();
-    KINO_ASSIGN(pooled->buffer,
-                gpu::Buffer::create(device_, name, bytes, gpu::MemoryUse::device));
+    KINO_ASSIGN(pooled->buffer, gpu::Buffer::create(device_, name, bytes, gpu::MemoryUse::device));
     pooled->taken = true;
     buffers_.push_back(std::move(pooled));
     return &buffers_.back()->buffer;
@@ -168,11 +169,11 @@ void Executor::record_barrier(VkCommandBuffer commands, const FrameGraph& graph,
              .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
              .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
              .image = texture_of_resource_[resource]->image(),
-             .subresourceRange = {.aspectMask = static_cast<VkImageAspectFlags>(
-                                      depth ? VK_IMAGE_ASPECT_DEPTH_BIT
-                                            : VK_IMAGE_ASPECT_COLOR_BIT),
-                                  .levelCount = 1,
-                                  .layerCount = 1}});
+             .subresourceRange = {
+                 .aspectMask = static_cast<VkImageAspectFlags>(depth ? VK_IMAGE_ASPECT_DEPTH_BIT
+                                                                     : VK_IMAGE_ASPECT_COLOR_BIT),
+                 .levelCount = 1,
+                 .layerCount = 1}});
     }
     const VkDependencyInfo dependency{
         .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
@@ -256,7 +257,8 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
 
 void Executor::age_pool() {
     const auto age = [&](auto& pool) {
-        for (auto& pooled : pool) pooled->unused_frames = pooled->taken ? 0 : pooled->unused_frames + 1;
+        for (auto& pooled : pool)
+            pooled->unused_frames = pooled->taken ? 0 : pooled->unused_frames + 1;
         std::erase_if(pool, [&](const auto& pooled) { return pooled->unused_frames > pool_age_; });
     };
     age(buffers_);

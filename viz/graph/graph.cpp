@@ -10,16 +10,18 @@
 namespace kino::graph {
 
 Access access_of(Use use) {
-    constexpr VkAccessFlags2 kRead = VK_ACCESS_2_SHADER_STORAGE_READ_BIT |
-                                     VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
+    constexpr VkAccessFlags2 kRead =
+        VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
     switch (use) {
-        case Use::compute_read: return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, kRead, false};
+        case Use::compute_read:
+            return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, kRead, false};
         case Use::compute_write:
             return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                     kRead | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, true};
         case Use::vertex_read:
             return {VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT, kRead, false};
-        case Use::fragment_read: return {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, kRead, false};
+        case Use::fragment_read:
+            return {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, kRead, false};
         case Use::indirect_read:
             return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
                     false};
@@ -183,8 +185,8 @@ struct State {
 };
 
 bool same_memory(const Resource& a, const Resource& b) {
-    return a.kind == b.kind && (a.kind == ResourceKind::buffer ? a.buffer == b.buffer
-                                                               : a.texture == b.texture);
+    return a.kind == b.kind &&
+           (a.kind == ResourceKind::buffer ? a.buffer == b.buffer : a.texture == b.texture);
 }
 
 std::uint64_t bytes_of(const Resource& r) {
@@ -238,8 +240,8 @@ CompiledGraph FrameGraph::compile() const {
                 out.first_use.push_back(r);
             }
             seen[r] = true;
-            State& state = is_transient(r) ? slot_state[compiled.slot_of_resource[r]]
-                                           : own_state[r];
+            State& state =
+                is_transient(r) ? slot_state[compiled.slot_of_resource[r]] : own_state[r];
             const Access access = access_of(use.use);
             if (!state.touched) {
                 // The frame before may still be at it: wait for everything, once.

@@ -11,7 +11,7 @@ namespace kino::graph {
 class HistoryBook {
   public:
     struct Entry {
-        std::string key;      ///< owner and view, "taa/0"
+        std::string key;  ///< owner and view, "taa/0"
         std::uint64_t bytes = 0;
         int current = 0;      ///< 0 or 1: which of the two is written this frame
         bool valid = false;   ///< the other one holds the previous frame

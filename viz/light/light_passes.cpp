@@ -42,9 +42,9 @@ std::vector<shared::LightRecord> lights_in_view(const Scene& scene, const View& 
 }  // namespace
 
 bool wants_light(const Scene& scene) {
-    return scene.live.has_value() && (scene.color_mode == ColorMode::relit ||
-                                      (scene.color_mode == ColorMode::mixed &&
-                                       !scene.lights.empty()));
+    return scene.live.has_value() &&
+           (scene.color_mode == ColorMode::relit ||
+            (scene.color_mode == ColorMode::mixed && !scene.lights.empty()));
 }
 
 graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene, const View& view,
@@ -70,8 +70,8 @@ graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene, co
         const std::array<gpu::Target, 1> targets = {{{.view = c.view(linear)}}};
         c.commands().begin_rendering({c.desc(linear).width, c.desc(linear).height}, targets,
                                      nullptr);
-        if (c.bind(desc, {c.bound(surface.albedo), c.bound(surface.view_z),
-                          c.bound(surface.normal), c.upload(records)})) {
+        if (c.bind(desc, {c.bound(surface.albedo), c.bound(surface.view_z), c.bound(surface.normal),
+                          c.upload(records)})) {
             c.commands().constants(params);
             c.commands().draw(3);
         }
@@ -91,9 +91,8 @@ graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene, co
 
 graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,
                                 graph::TextureId scene_linear, graph::TextureId target) {
-    const shared::FinalParams params{
-        .exposure = scene.exposure,
-        .tone_map = scene.color_mode == ColorMode::captured ? 0u : 1u};
+    const shared::FinalParams params{.exposure = scene.exposure,
+                                     .tone_map = scene.color_mode == ColorMode::captured ? 0u : 1u};
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
         desc.name = "light/final";

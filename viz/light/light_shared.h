@@ -5,10 +5,10 @@
 KINO_SHARED_BEGIN
 
 struct LightRecord {
-    vec3 place;   // view space: position of a point light, direction to a directional one
-    uint kind;    // 0 directional, 1 point
-    vec3 color;   // linear
-    float radius; // metres, point lights
+    vec3 place;    // view space: position of a point light, direction to a directional one
+    uint kind;     // 0 directional, 1 point
+    vec3 color;    // linear
+    float radius;  // metres, point lights
 };
 
 struct LightParams {

@@ -18,7 +18,7 @@ struct DepthSurface {
     Image<float> depth_m;  ///< along the depth camera's axis, 0 = no reading
     Image<Rgba8> color;    ///< colour of each depth pixel, sRGB; alpha 0: not known. May be empty
     std::shared_ptr<const Image<RayXy>> rays;
-    double focal_px = 0;  ///< fx of the depth camera, for footprints and the edge test
+    double focal_px = 0;        ///< fx of the depth camera, for footprints and the edge test
     std::uint64_t version = 0;  ///< differs from frame to frame: what tells the GPU to upload
 };
 
@@ -53,10 +53,10 @@ enum class LightKind : std::uint8_t { directional, point };
 
 struct Light {
     LightKind kind = LightKind::directional;
-    glm::dvec3 position{0};         ///< world; point lights
+    glm::dvec3 position{0};          ///< world; point lights
     glm::dvec3 direction{0, -1, 0};  ///< world, the way the light travels; directional lights
-    glm::vec3 color{1};             ///< linear; irradiance at 1 m (point) or everywhere
-    float radius_m = 5;             ///< a point light ends here, smoothly
+    glm::vec3 color{1};              ///< linear; irradiance at 1 m (point) or everywhere
+    float radius_m = 5;              ///< a point light ends here, smoothly
 };
 
 struct BodyNode {
@@ -75,7 +75,7 @@ struct Scene {
     ColorMode color_mode = ColorMode::captured;
     glm::vec3 ambient{0.08f};  ///< linear; relit only
     float exposure = 1;
-    glm::vec3 background_top{0.13f, 0.15f, 0.18f};     ///< sRGB
+    glm::vec3 background_top{0.13f, 0.15f, 0.18f};      ///< sRGB
     glm::vec3 background_bottom{0.05f, 0.055f, 0.07f};  ///< sRGB
 };
 

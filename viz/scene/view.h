@@ -46,7 +46,6 @@ struct View {
 [[nodiscard]] glm::dmat4 clip_from_view(const View& view);
 
 /// Pixel (integer centres) of a world point; none where it is nearer than the near plane.
-[[nodiscard]] std::optional<glm::dvec2> project_to_pixel(const View& view,
-                                                         const glm::dvec3& world);
+[[nodiscard]] std::optional<glm::dvec2> project_to_pixel(const View& view, const glm::dvec3& world);
 
 }  // namespace kino

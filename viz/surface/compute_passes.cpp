@@ -56,7 +56,9 @@ std::uint32_t groups_of_64(std::uint64_t items) {
 std::uint64_t pixel_count(const SurfaceParams& p) {
     return std::uint64_t{p.target.x} * p.target.y;
 }
-std::uint64_t grid_count(const SurfaceParams& p) { return std::uint64_t{p.grid.x} * p.grid.y; }
+std::uint64_t grid_count(const SurfaceParams& p) {
+    return std::uint64_t{p.grid.x} * p.grid.y;
+}
 
 gpu::PipelineDesc compute(const char* name, std::span<const std::uint32_t> code,
                           std::size_t buffers, std::vector<std::uint32_t> constants = {}) {
@@ -88,8 +90,8 @@ void for_each_key_pass(bool key32, SurfaceParams params, AddPass add_pass) {
     }
 }
 
-SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in,
-                           BufferId visibility, bool mesh, SurfaceTargets targets) {
+SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in, BufferId visibility,
+                           bool mesh, SurfaceTargets targets) {
     const BufferId normals = in.normals.valid() ? in.normals : in.depth;
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
@@ -156,9 +158,8 @@ SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs
             },
             [=](PassContext& c) {
                 const std::uint32_t single = params.splat_cap_px == 1 ? 1 : 0;
-                const auto desc =
-                    key32 ? compute("surface/splat 32 bit", kSplat32, 3, {single})
-                          : compute("surface/splat", kSplat, 3, {single});
+                const auto desc = key32 ? compute("surface/splat 32 bit", kSplat32, 3, {single})
+                                        : compute("surface/splat", kSplat, 3, {single});
                 if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays)})) {
                     return;
                 }
@@ -171,13 +172,12 @@ SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs
 
 SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs& in, bool key32,
                                 SurfaceTargets targets) {
-    const std::uint64_t cells =
-        std::uint64_t{in.params.grid.x - 1} * (in.params.grid.y - 1);
+    const std::uint64_t cells = std::uint64_t{in.params.grid.x - 1} * (in.params.grid.y - 1);
     BufferId visibility = add_clear(graph, in.params);
     BufferId vertices = graph.create_buffer("projected vertices", {grid_count(in.params) * 16});
     // Room for every triangle, so that no view can overflow it.
-    BufferId large = graph.create_buffer("large triangles",
-                                         {sizeof(shared::LargeList) + 2 * cells * 4});
+    BufferId large =
+        graph.create_buffer("large triangles", {sizeof(shared::LargeList) + 2 * cells * 4});
     graph.add_pass(
         "surface/project vertices", kRasterGroup,
         [&](PassBuilder& b) {
@@ -209,9 +209,8 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
                 large = b.write(large, Use::compute_write);
             },
             [=](PassContext& c) {
-                const auto desc =
-                    key32 ? compute("surface/small triangles 32 bit", kMeshCells32, 3)
-                          : compute("surface/small triangles", kMeshCells, 3);
+                const auto desc = key32 ? compute("surface/small triangles 32 bit", kMeshCells32, 3)
+                                        : compute("surface/small triangles", kMeshCells, 3);
                 if (!c.bind(desc, {c.bound(visibility), c.bound(vertices), c.bound(large)})) return;
                 c.commands().constants(params);
                 c.commands().dispatch(groups_of_64(cells));
@@ -226,9 +225,8 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
                 visibility = b.write(visibility, Use::compute_write);
             },
             [=](PassContext& c) {
-                const auto desc =
-                    key32 ? compute("surface/large triangles 32 bit", kMeshLarge32, 4)
-                          : compute("surface/large triangles", kMeshLarge, 4);
+                const auto desc = key32 ? compute("surface/large triangles 32 bit", kMeshLarge32, 4)
+                                        : compute("surface/large triangles", kMeshLarge, 4);
                 if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
                                    c.bound(large)})) {
                     return;

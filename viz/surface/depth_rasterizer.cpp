@@ -27,7 +27,8 @@ std::vector<std::uint32_t> grid_indices(std::uint32_t width, std::uint32_t heigh
     for (std::uint32_t y = 0; y + 1 < height; ++y) {
         for (std::uint32_t x = 0; x + 1 < width; ++x) {
             const std::uint32_t i = y * width + x;
-            for (const std::uint32_t corner : {i, i + 1, i + width, i + 1, i + width + 1, i + width})
+            for (const std::uint32_t corner :
+                 {i, i + 1, i + width, i + 1, i + width + 1, i + width})
                 indices.push_back(corner);
         }
     }
@@ -104,9 +105,9 @@ SurfaceTargets DepthRasterizer::add(graph::FrameGraph& graph, const LiveDepth& l
     if (path == RasterPath::hardware && mesh && device_.info().has_geometry_shader) {
         if (indices_.empty()) {
             const std::vector<std::uint32_t> indices = grid_indices(width_, height_);
-            auto made = gpu::Buffer::create(device_, "grid indices",
-                                            indices.size() * sizeof(std::uint32_t),
-                                            gpu::MemoryUse::upload);
+            auto made =
+                gpu::Buffer::create(device_, "grid indices", indices.size() * sizeof(std::uint32_t),
+                                    gpu::MemoryUse::upload);
             KINO_CHECK(made.has_value());
             indices_ = std::move(*made);
             indices_.write(std::span<const std::uint32_t>(indices));

@@ -12,9 +12,9 @@ namespace kino {
 
 /// How depth pixels become picture pixels. All paths fill the same surface.
 enum class RasterPath : std::uint8_t {
-    compute,          ///< visibility buffer with 64-bit atomics
-    compute_32bit,    ///< the same bits by two passes of 32-bit atomics
-    hardware          ///< fixed-function points, or grid + geometry shader: the reference
+    compute,        ///< visibility buffer with 64-bit atomics
+    compute_32bit,  ///< the same bits by two passes of 32-bit atomics
+    hardware        ///< fixed-function points, or grid + geometry shader: the reference
 };
 
 /// The thin surface, one texture each; invalid ids are not wanted and not made. Formats are the

@@ -69,8 +69,8 @@ SurfaceTargets add_hardware(graph::FrameGraph& graph, const DepthPassInputs& in,
         desc.depth_format = VK_FORMAT_D32_SFLOAT;
         const gpu::Target depth_target{.view = c.view(depth), .clear = true};
         begin_targets(c, targets, false, &depth_target);
-        if (c.bind(desc, {c.bound(in.depth), c.bound(in.rays), c.bound(in.color),
-                          c.bound(normals)})) {
+        if (c.bind(desc,
+                   {c.bound(in.depth), c.bound(in.rays), c.bound(in.color), c.bound(normals)})) {
             c.commands().constants(in.params);
             if (mesh) {
                 c.commands().draw_indexed(c.buffer(indices),

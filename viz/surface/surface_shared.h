@@ -9,14 +9,14 @@ struct SurfaceParams {
     vec4 view_from_depth_x;  // rows of the rigid transform: view = row.xyz * p + row.w
     vec4 view_from_depth_y;
     vec4 view_from_depth_z;
-    vec4 k;         // fx, fy, cx, cy of the view, px, pixel centres at integers
-    uvec2 target;   // picture size, px
-    uvec2 grid;     // depth image size, px
+    vec4 k;        // fx, fy, cx, cy of the view, px, pixel centres at integers
+    uvec2 target;  // picture size, px
+    uvec2 grid;    // depth image size, px
     float near_m;
     float depth_focal_px;
     float fixed_edge_m;  // > 0: this limit for every depth; 0: T(z)
     uint splat_cap_px;
-    uvec2 background;    // top and bottom, packed RGBA8
+    uvec2 background;  // top and bottom, packed RGBA8
     uint fill_holes;
     uint key_pass;  // 32-bit keys: 0 writes depth, 1 writes the winner's index
 };
@@ -26,7 +26,7 @@ struct LargeList {
     uint groups_x;  // VkDispatchIndirectCommand
     uint groups_y;
     uint groups_z;
-    uint count;     // may run past the capacity; the surplus is counted, not stored
+    uint count;  // may run past the capacity; the surplus is counted, not stored
 };
 
 KINO_SHARED_END

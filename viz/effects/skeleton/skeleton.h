@@ -19,8 +19,7 @@ struct SkeletonRequest {
 };
 
 /// Nothing where the scene has no body with a joint in front of the camera.
-[[nodiscard]] std::optional<SkeletonRequest> skeleton_wanted(const Scene& scene,
-                                                             const View& view);
+[[nodiscard]] std::optional<SkeletonRequest> skeleton_wanted(const Scene& scene, const View& view);
 
 /// Draws over `target` (sRGB-coded); `view_z` is the surface's. Returns the target's new id.
 [[nodiscard]] graph::TextureId add_skeleton(graph::FrameGraph& graph, const View& view,

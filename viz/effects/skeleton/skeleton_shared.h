@@ -10,13 +10,13 @@ struct CapsuleRecord {
     float radius_a;  // metres
     vec3 b;
     float radius_b;
-    vec3 color;      // sRGB
-    float dashed;    // 1: drawn in dashes along its length
+    vec3 color;    // sRGB
+    float dashed;  // 1: drawn in dashes along its length
 };
 
 struct SkeletonParams {
-    vec4 k;        // fx, fy, cx, cy of the view
-    vec2 target;   // px
+    vec4 k;       // fx, fy, cx, cy of the view
+    vec2 target;  // px
     float near_m;
     float dimmed;  // opacity of what lies behind the surface
 };

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "viz/frame/renderer.h"
+#include "viz/gpu/device.h"
+
+namespace kino {
+
+/// The images a surface shows, in turn. Drawing is waited for on the host before it is shown (the
+/// executor does), so no semaphores are needed. Owns neither device nor surface.
+class Swapchain {
+  public:
+    Swapchain(gpu::Device& device, VkSurfaceKHR surface) : device_(device), surface_(surface) {}
+    ~Swapchain();
+    Swapchain(const Swapchain&) = delete;
+    Swapchain& operator=(const Swapchain&) = delete;
+
+    /// The next image in the GENERAL layout. Empty where the surface has no area now, or changed
+    /// while it was asked. `wanted`: size where the surface leaves it open.
+    [[nodiscard]] Result<std::optional<PictureTarget>> acquire(VkExtent2D wanted);
+    [[nodiscard]] Result<void> present();
+
+  private:
+    Result<bool> make(VkExtent2D wanted);  ///< false: no area
+    void destroy_images();
+    Result<void> change_layout(VkImage image, VkImageLayout from, VkImageLayout to);
+
+    gpu::Device& device_;
+    VkSurfaceKHR surface_;
+    VkSwapchainKHR chain_ = VK_NULL_HANDLE;
+    VkFence acquired_ = VK_NULL_HANDLE;
+    VkFormat format_ = VK_FORMAT_UNDEFINED;
+    VkExtent2D extent_{};
+    std::vector<VkImage> images_;
+    std::vector<VkImageView> views_;
+    std::uint32_t current_ = 0;
+    bool stale_ = true;  ///< must be made anew before the next picture
+};
+
+}  // namespace kino
