@@ -50,11 +50,11 @@ void append_head(const PosedBody& body, Builder& b) {
     b.ball({0, -0.030, 0.016}, {0.061, 0.078, 0.070}, Material::skin);
     b.ball({0, -0.078, 0.052}, {0.030, 0.024, 0.028}, Material::skin);
     b.cone({0, 0.014, 0.084}, {0, -0.018, 0.097}, 0.010, 0.0135, Material::skin);
-    b.ball({0, -0.053, 0.0775}, {0.022, 0.0062, 0.012}, Material::lips);
+    b.ball({0, -0.0500, 0.0805}, {0.021, 0.0068, 0.0105}, Material::lips);
     for (const double s : {1.0, -1.0}) {
         b.ball({s * 0.030, 0.016, 0.0775}, {0.0150, 0.0085, 0.0095}, Material::eye_white);
         b.ball({s * 0.030, 0.016, 0.0835}, {0.0072, 0.0074, 0.0050}, Material::eye_iris);
-        b.cone({s * 0.046, 0.0400, 0.0715}, {s * 0.018, 0.0375, 0.0840}, 0.0038, 0.0048,
+        b.cone({s * 0.046, 0.0420, 0.0705}, {s * 0.018, 0.0430, 0.0825}, 0.0036, 0.0044,
                Material::hair);
         b.ball({s * 0.076, 0.002, -0.008}, {0.010, 0.030, 0.018}, Material::skin);
         b.ball({s * 0.058, 0.045, 0.006}, {0.026, 0.050, 0.050}, Material::hair);
@@ -68,24 +68,24 @@ void append_torso(const PosedBody& body, Builder& b) {
     const dvec3& neck = body[Joint::shoulder_center];
     b.place(Joint::shoulder_center, neck, body.chest);
     b.bone(b.at({0, -0.03, -0.012}), body[Joint::head] + body.head * dvec3(0, -0.045, -0.018),
-           0.060, 0.053, Material::skin);
+           0.056, 0.050, Material::skin);
     // Collar, slope of the shoulders, and the yoke between them.
-    b.flat({0, 0.004, -0.012}, {0, -0.03, -0.012}, 0.062, 0.075, 1.08, 1.0, Material::shirt);
+    b.flat({0, 0.004, -0.012}, {0, -0.03, -0.012}, 0.059, 0.076, 1.08, 1.0, Material::shirt);
     for (int side = 0; side < 2; ++side) {
         const dvec3& shoulder = body[of_side(Joint::shoulder_left, side)];
-        b.bone(b.at({0, -0.010, -0.024}), shoulder - body.chest[1] * 0.004, 0.052, 0.047,
+        b.bone(b.at({0, 0.002, -0.024}), shoulder - body.chest[1] * 0.004, 0.052, 0.0505,
                Material::shirt);
         b.bone(b.at({0, -0.10, 0.0}), shoulder - body.chest[1] * 0.020, 0.092, 0.054,
                Material::shirt);
     }
-    b.flat({0, -0.205, 0.006}, {0, -0.105, -0.002}, 0.116, 0.110, 1.36, 0.99, Material::shirt);
+    b.flat({0, -0.315, 0.006}, {0, -0.115, -0.002}, 0.1105, 0.114, 1.36, 0.99, Material::shirt);
     for (const double s : {1.0, -1.0}) {
-        b.ball({s * 0.062, -0.125, 0.054}, {0.088, 0.082, 0.057}, Material::shirt);
+        b.ball({s * 0.058, -0.130, 0.050}, {0.092, 0.092, 0.0575}, Material::shirt);
     }
-    b.ball({0, -0.150, 0.099}, {0.062, 0.058, 0.0190}, Material::shirt_print);
+    b.ball({0, -0.165, 0.1095}, {0.056, 0.052, 0.0145}, Material::shirt_print);
 
     b.place(Joint::spine, body[Joint::spine], body.waist);
-    b.flat({0, -0.055, 0.006}, {0, 0.135, 0.006}, 0.112, 0.116, 1.32, 0.97, Material::shirt);
+    b.flat({0, -0.055, 0.006}, {0, 0.045, 0.005}, 0.112, 0.1125, 1.32, 0.97, Material::shirt);
 
     b.place(Joint::hip_center, body[Joint::hip_center], body.pelvis);
     b.flat({0, 0.015, 0.002}, {0, 0.115, 0.006}, 0.116, 0.110, 1.36, 1.0, Material::shirt);
@@ -113,7 +113,8 @@ void append_arm(const PosedBody& body, int side, Builder& b) {
     const dvec3& elbow = body[of_side(Joint::elbow_left, side)];
     const dvec3& wrist = body[of_side(Joint::wrist_left, side)];
     b.joint = of_side(Joint::shoulder_left, side);
-    b.bone(shoulder, glm::mix(shoulder, elbow, 0.55), 0.0545, 0.053, Material::shirt);
+    b.bone(glm::mix(shoulder, elbow, 0.03), glm::mix(shoulder, elbow, 0.55), 0.0500, 0.0525,
+           Material::shirt);
     b.joint = of_side(Joint::elbow_left, side);
     b.bone(glm::mix(shoulder, elbow, 0.35), elbow, 0.044, 0.037, Material::skin);
     b.bone(elbow, glm::mix(elbow, wrist, 0.38), 0.038, 0.041, Material::skin);
