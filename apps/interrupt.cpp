@@ -1,0 +1,28 @@
+#include "apps/interrupt.h"
+
+#include <atomic>
+#include <csignal>
+
+namespace kino {
+namespace {
+
+std::atomic<bool> seen{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+void on_signal(int signal) {
+    seen = true;
+    std::signal(signal, SIG_DFL);
+}
+
+}  // namespace
+
+void catch_interrupts() {
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+}
+
+bool interrupted() {
+    return seen;
+}
+
+}  // namespace kino

@@ -1,0 +1,161 @@
+#include "apps/pipeline/live_runner.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <utility>
+
+namespace kino {
+namespace {
+/// The process thread looks this often whether another frame is due: a small part of a frame time.
+constexpr auto kLook = std::chrono::milliseconds(2);
+constexpr TimeNs kDeviceWait = 50 * kNsPerMs;
+}  // namespace
+
+LiveRunner::LiveRunner(OpenedSource opened, LiveOptions options)
+    : opened_(std::move(opened)), clock_(std::move(options.clock)) {
+    if (const Timeline* timeline = opened_.source->timeline()) {
+        const TimeNs now = clock_();
+        playback_.emplace(*timeline, opened_.mode, now);
+        playback_->set_speed(options.speed, now);
+    }
+    thread_ = std::thread([this] { run(); });
+}
+
+LiveRunner::~LiveRunner() {
+    stop();
+}
+
+void LiveRunner::stop() {
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+    mailbox_.close();
+}
+
+LiveStatus LiveRunner::status() const {
+    const std::lock_guard lock(mutex_);
+    LiveStatus status = status_;
+    status.dropped += mailbox_.dropped();
+    if (playback_) {
+        const TimeNs now = clock_();
+        status.frame_count = playback_->frame_count();
+        status.position = playback_->due(now);
+        status.paused = playback_->paused();
+        status.finished = playback_->finished(now);
+        status.speed = playback_->speed();
+        status.mode = playback_->mode();
+    } else {
+        status.paused = device_paused_;
+    }
+    return status;
+}
+
+template <class Change>
+void LiveRunner::change(Change&& apply) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (playback_) {
+            apply(*playback_, clock_());
+            jumped_ = true;
+        }
+    }
+    changed_.notify_all();
+}
+
+void LiveRunner::pause() {
+    change([](Playback& playback, TimeNs now) { playback.pause(now); });
+    const std::lock_guard lock(mutex_);
+    device_paused_ = true;
+}
+
+void LiveRunner::resume() {
+    change([](Playback& playback, TimeNs now) { playback.resume(now); });
+    const std::lock_guard lock(mutex_);
+    device_paused_ = false;
+}
+
+void LiveRunner::step(int direction) {
+    change([&](Playback& playback, TimeNs now) { (void)playback.step(direction, now); });
+}
+
+void LiveRunner::seek(std::int64_t index) {
+    change([&](Playback& playback, TimeNs now) { playback.seek(index, now); });
+}
+
+void LiveRunner::set_speed(double speed) {
+    change([&](Playback& playback, TimeNs now) { playback.set_speed(speed, now); });
+}
+
+void LiveRunner::set_mode(LoopMode mode) {
+    change([&](Playback& playback, TimeNs now) { playback.set_mode(mode, now); });
+}
+
+void LiveRunner::run() {
+    if (playback_) {
+        run_timeline();
+    } else {
+        run_device();
+    }
+}
+
+void LiveRunner::count_skipped(std::int64_t from, std::int64_t to) {
+    std::int64_t passed = to - from;
+    const std::int64_t n = playback_->frame_count();
+    // A round of ping-pong may go either way; the short way is the one that was played.
+    if (playback_->mode() == LoopMode::ping_pong) passed = std::abs(passed);
+    if (playback_->mode() == LoopMode::loop) passed = (passed + n) % n;
+    if (passed > 1) status_.dropped += passed - 1;
+}
+
+void LiveRunner::deliver(Result<std::optional<ProcessedFrame>> frame) {
+    if (frame && *frame) mailbox_.put(std::move(**frame));
+    const std::lock_guard lock(mutex_);
+    if (frame) {
+        ++status_.processed;
+    } else {
+        ++status_.errors;
+        status_.last_error = frame.error().to_string();
+    }
+}
+
+void LiveRunner::run_timeline() {
+    std::optional<std::int64_t> last;
+    std::unique_lock lock(mutex_);
+    while (!stopping_) {
+        const std::int64_t due = playback_->due(clock_());
+        if (last && due == *last) {
+            changed_.wait_for(lock, kLook);
+            continue;
+        }
+        if (last && !std::exchange(jumped_, false)) count_skipped(*last, due);
+        jumped_ = false;
+        last = due;
+        lock.unlock();
+        deliver(read_frame(opened_, due, kNsPerSecond));
+        lock.lock();
+    }
+}
+
+void LiveRunner::run_device() {
+    std::unique_lock lock(mutex_);
+    while (!stopping_ && !status_.finished) {
+        const bool paused = device_paused_;
+        lock.unlock();
+        Result<std::optional<ProcessedFrame>> frame = read_frame(opened_, {}, kDeviceWait);
+        bool ended = false;
+        for (const Event& event : opened_.source->take_events()) {
+            ended = ended || event.kind == EventKind::ended;
+        }
+        const bool nothing = frame && !*frame;
+        if (!nothing && (!paused || !frame)) deliver(std::move(frame));
+        lock.lock();
+        status_.finished = ended;
+        // A source that fails at once and for ever must not burn a processor.
+        if (!frame) changed_.wait_for(lock, kLook);
+    }
+}
+
+}  // namespace kino

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "apps/pipeline/opened_source.h"
+#include "base/mailbox.h"
+
+namespace kino {
+
+struct LiveOptions {
+    double speed = 1;
+    /// The host clock; tests bring their own. Called from both threads.
+    std::function<TimeNs()> clock = now_ns;
+};
+
+/// What the runner is about at one moment.
+struct LiveStatus {
+    std::int64_t frame_count = 0;  ///< 0: no timeline
+    std::int64_t position = 0;     ///< frame that is due
+    bool paused = false;
+    bool finished = false;  ///< mode `once` is through, or the source ended
+    double speed = 1;
+    LoopMode mode = LoopMode::loop;
+    std::int64_t processed = 0;  ///< frames made ready
+    /// Frames that were due and never shown: overtaken on the way or never read for lack of time.
+    std::int64_t dropped = 0;
+    std::int64_t errors = 0;  ///< frames that could not be read or processed
+    std::string last_error;
+};
+
+/// Plays a source by the clock on a thread of its own: reads the frame that is due, registers it,
+/// and lays it into a mailbox, where the newest wins. The caller's thread takes it and never waits.
+/// A frame that cannot be read is counted and told, and playing goes on.
+class LiveRunner {
+  public:
+    explicit LiveRunner(OpenedSource opened, LiveOptions options = {});
+    ~LiveRunner();  ///< as stop()
+    LiveRunner(const LiveRunner&) = delete;
+    LiveRunner& operator=(const LiveRunner&) = delete;
+
+    /// The newest frame made since the last call.
+    [[nodiscard]] std::optional<ProcessedFrame> take() { return mailbox_.take(); }
+    /// The same, waiting for one.
+    [[nodiscard]] std::optional<ProcessedFrame> wait(TimeNs timeout) {
+        return mailbox_.wait(timeout);
+    }
+
+    [[nodiscard]] LiveStatus status() const;
+
+    // What a viewer's keys do; see sensor/playback.h. Without effect on a source without timeline,
+    // except pause and resume, which then hold back what the device brings.
+    void pause();
+    void resume();
+    void step(int direction);
+    void seek(std::int64_t index);
+    void set_speed(double speed);
+    void set_mode(LoopMode mode);
+
+    /// Ends the thread; at most one frame's reading time later it has joined. Idempotent.
+    void stop();
+
+  private:
+    void run();
+    void run_timeline();
+    void run_device();
+    void deliver(Result<std::optional<ProcessedFrame>> frame);
+    void count_skipped(std::int64_t from, std::int64_t to);
+    template <class Change>
+    void change(Change&& apply);
+
+    OpenedSource opened_;
+    std::function<TimeNs()> clock_;
+    Mailbox<ProcessedFrame> mailbox_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<Playback> playback_;
+    LiveStatus status_;
+    bool device_paused_ = false;
+    bool jumped_ = true;  ///< the due frame moved by command, not by time: nothing was skipped
+    bool stopping_ = false;
+    std::thread thread_;
+};
+
+}  // namespace kino

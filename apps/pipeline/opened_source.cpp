@@ -1,0 +1,50 @@
+#include "apps/pipeline/opened_source.h"
+
+#include <utility>
+
+namespace kino {
+
+Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
+                                         std::optional<LoopMode> wanted_mode) {
+    const std::string uri = source->info().uri;
+    KINO_TRY(subscribe_all(*source));
+    auto rig = source->calibration();
+    if (!rig) return fail(rig.error(), uri);
+    auto processor = Processor::create(*rig);
+    if (!processor) return fail(processor.error(), uri);
+    LoopMode mode = LoopMode::loop;
+    if (wanted_mode) {
+        mode = *wanted_mode;
+    } else if (const Timeline* timeline = source->timeline()) {
+        mode = natural_loop(*timeline);
+    }
+    return OpenedSource{std::move(source), std::move(*processor), mode};
+}
+
+Result<OpenedSource> open_for_playing(const std::string& uri, std::optional<LoopMode> wanted_mode) {
+    KINO_ASSIGN(auto source, open_source(uri));
+    return prepare_for_playing(std::move(source), wanted_mode);
+}
+
+Result<std::optional<ProcessedFrame>> read_frame(OpenedSource& opened,
+                                                 std::optional<std::int64_t> index,
+                                                 TimeNs timeout) {
+    const TimeNs began = now_ns();
+    if (Timeline* timeline = opened.source->timeline(); timeline != nullptr && index) {
+        if (const std::int64_t ahead = *index - timeline->position(); ahead != 0) {
+            // Colour of before a jump would be shown as if it were recent; frames that were
+            // skipped for lack of time are no jump.
+            constexpr std::int64_t kSkip = 30;
+            if (ahead < 0 || ahead > kSkip) opened.processor.forget();
+            KINO_TRY(timeline->seek(*index));
+        }
+    }
+    KINO_ASSIGN(std::optional<FrameSet> set, opened.source->next(timeout));
+    if (!set) return std::nullopt;
+    const TimeNs read = now_ns() - began;
+    KINO_ASSIGN(ProcessedFrame frame, opened.processor.process(std::move(*set)));
+    frame.times.read = read;
+    return frame;
+}
+
+}  // namespace kino

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "base/frame.h"
+#include "base/image.h"
+#include "base/time.h"
+#include "viz/scene/scene.h"
+
+namespace kino {
+
+/// Host time each stage took for one frame.
+struct StageTimes {
+    TimeNs read = 0;          ///< the source: file, decoding of depth
+    TimeNs color = 0;         ///< colour conversion
+    TimeNs registration = 0;  ///< depth to metres, colour into the depth grid
+};
+
+/// A frame set on its way from the source to the scene. Immutable and shared by count.
+struct ProcessedFrame {
+    FrameSet set;
+    std::shared_ptr<const DepthSurface> surface;
+    /// The colour picture as the camera saw it; null where the source has none. The last known one
+    /// if this depth frame has no partner (`color_paired` of the set).
+    std::shared_ptr<const Image<Rgba8>> color;
+    std::int64_t valid_points = 0;  ///< depth pixels with a reading
+    StageTimes times;
+    std::uint64_t version = 0;  ///< surface->version: differs from frame to frame
+};
+
+}  // namespace kino

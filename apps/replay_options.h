@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/viewer/camera_control.h"
+#include "sensor/playback.h"
+#include "viz/scene/scene.h"
+#include "viz/surface/depth_rasterizer.h"
+
+namespace kino {
+
+/// What `kinoscope replay` was asked for. Empty options: remembered or natural ones.
+struct ReplayOptions {
+    std::vector<std::string> uris;
+    RasterPath raster = RasterPath::compute;
+    double speed = 1;
+    bool stepped = false;
+    std::optional<DepthStyle> style;
+    std::optional<int> splat_px;
+    std::optional<ViewKind> view;
+    std::optional<ColorMode> color;
+    std::optional<LoopMode> loop;
+    std::filesystem::path headless;  ///< empty: a window
+    std::optional<std::int64_t> frames;
+    std::optional<int> width, height;
+    int pictures = 12;  ///< most PNGs a source; 0: none, -1: every frame
+    std::string device;
+    bool json = false;
+    bool verbose = false;
+};
+
+[[nodiscard]] const char* raster_name(RasterPath path);
+[[nodiscard]] const char* style_name(DepthStyle style);
+[[nodiscard]] const char* color_name(ColorMode mode);
+[[nodiscard]] const char* loop_name(LoopMode mode);
+
+/// Whether this build checks its Vulkan calls: debug builds, and where KINO_VALIDATION=1 is set.
+[[nodiscard]] bool wants_validation();
+
+}  // namespace kino

@@ -1,0 +1,117 @@
+#include "apps/summary.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace kino {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json times_json(const TimeSeries& times) {
+    return {{"count", times.count()}, {"median_ms", times.median_ms()}, {"p95_ms", times.p95_ms()}};
+}
+
+Json deterministic_json(const SourceSummary& s) {
+    Json streams = Json::array();
+    for (const StreamInfo& stream : s.info.streams) {
+        streams.push_back({{"kind", stream_name(stream.id.kind)},
+                           {"width", stream.width},
+                           {"height", stream.height},
+                           {"nominal_hz", stream.nominal_hz},
+                           {"format", stream.format}});
+    }
+    return {{"uri", s.info.uri},
+            {"name", s.info.name},
+            {"note", s.info.note},
+            {"licence", s.info.licence},
+            {"streams", streams},
+            {"loop", loop_name(s.loop)},
+            {"color", color_name(s.color)},
+            {"frames", s.frames},
+            {"dropped", 0},
+            {"errors", s.errors},
+            {"first_error", s.first_error},
+            {"points", s.points},
+            {"pictures_fnv1a", fmt::format("{:016x}", s.pictures_hash)},
+            {"passes", s.passes},
+            {"device_bytes", s.device_bytes}};
+}
+
+Json timing_json(const SourceSummary& s) {
+    return {{"uri", s.info.uri},
+            {"read", times_json(s.read)},
+            {"color", times_json(s.color_conversion)},
+            {"register", times_json(s.registration)},
+            {"render", times_json(s.render)},
+            {"render_device", times_json(s.render_device)},
+            {"write", times_json(s.write)}};
+}
+
+}  // namespace
+
+std::uint64_t hash_picture(const Image<Rgba8>& picture, std::uint64_t hash) {
+    constexpr std::uint64_t kPrime = 0x100000001b3ull;
+    for (const Rgba8& p : picture.pixels()) {
+        for (const std::uint8_t byte : {p.r, p.g, p.b, p.a}) hash = (hash ^ byte) * kPrime;
+    }
+    return hash;
+}
+
+Json to_json(const Summary& summary) {
+    Json sources = Json::array();
+    Json timing = Json::array();
+    for (const SourceSummary& source : summary.sources) {
+        sources.push_back(deterministic_json(source));
+        timing.push_back(timing_json(source));
+    }
+    const ReplayOptions& options = summary.options;
+    return {{"format", "kinoscope summary 1"},
+            {"deterministic",
+             {{"width", summary.width},
+              {"height", summary.height},
+              {"raster", raster_name(options.raster)},
+              {"style", style_name(options.style.value_or(DepthStyle::mesh))},
+              {"splat_px", options.splat_px.value_or(1)},
+              {"view", view_name(options.view.value_or(ViewKind::orbit))},
+              {"seeds", Json::object()},
+              {"interrupted", summary.interrupted},
+              {"sources", sources}}},
+            {"timing", {{"wall_s", summary.wall_s}, {"sources", timing}}},
+            {"machine",
+             {{"device", summary.device.name},
+              {"driver", summary.device.driver},
+              {"is_cpu", summary.device.is_cpu},
+              {"video_codec", summary.video_codec}}}};
+}
+
+std::string to_text(const Summary& summary) {
+    std::string text;
+    for (const SourceSummary& s : summary.sources) {
+        text +=
+            fmt::format("{}: {} frames", s.info.name.empty() ? s.info.uri : s.info.name, s.frames);
+        if (s.errors > 0) text += fmt::format(", {} unreadable ({})", s.errors, s.first_error);
+        text += fmt::format(
+            "; median ms: read {:.1f}, colour {:.1f}, register {:.1f}, draw {:.1f}, write {:.1f}\n",
+            s.read.median_ms(), s.color_conversion.median_ms(), s.registration.median_ms(),
+            s.render.median_ms(), s.write.median_ms());
+        if (!s.info.note.empty()) text += fmt::format("  note: {}\n", s.info.note);
+    }
+    text += fmt::format("drawn by {} at {}x{} in {:.1f} s{}\n", summary.device.name, summary.width,
+                        summary.height, summary.wall_s,
+                        summary.interrupted ? " (ended early by the user)" : "");
+    return text;
+}
+
+Result<void> write_summary(const std::filesystem::path& path, const Summary& summary) {
+    std::ofstream file(path, std::ios::binary);
+    // Names from files may hold bytes that are no UTF-8; those are replaced, not thrown at.
+    file << to_json(summary).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    file.close();
+    if (!file) return fail("could not be written", path.string());
+    return {};
+}
+
+}  // namespace kino

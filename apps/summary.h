@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/pipeline/time_series.h"
+#include "apps/replay_options.h"
+#include "sensor/source.h"
+#include "viz/gpu/device.h"
+
+namespace kino {
+
+/// What is known about one source at the end of a headless run.
+struct SourceSummary {
+    // The same in every stepped run on the same device:
+    SourceInfo info;
+    LoopMode loop = LoopMode::loop;
+    ColorMode color = ColorMode::captured;
+    std::int64_t frames = 0;
+    std::int64_t errors = 0;
+    std::int64_t points = 0;          ///< of the last frame
+    std::uint64_t pictures_hash = 0;  ///< over all pixels of all pictures
+    std::vector<std::string> passes;  ///< of the last frame
+    std::int64_t device_bytes = 0;
+    std::string first_error;
+    // Different every time:
+    TimeSeries read, color_conversion, registration, render, render_device, write;
+};
+
+struct Summary {
+    gpu::DeviceInfo device;
+    ReplayOptions options;
+    int width = 0, height = 0;  ///< px
+    std::string video_codec;    ///< empty: no video
+    bool interrupted = false;
+    double wall_s = 0;
+    std::vector<SourceSummary> sources;
+};
+
+/// "deterministic" holds what repeats bit by bit, "timing" what does not, "machine" the device.
+[[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
+/// A few lines for a person.
+[[nodiscard]] std::string to_text(const Summary& summary);
+[[nodiscard]] Result<void> write_summary(const std::filesystem::path& path, const Summary& summary);
+
+/// FNV-1a, 64 bit (Fowler, Noll, Vo), going on from `hash`.
+constexpr std::uint64_t kHashStart = 0xcbf29ce484222325ull;
+[[nodiscard]] std::uint64_t hash_picture(const Image<Rgba8>& picture, std::uint64_t hash);
+
+}  // namespace kino
