@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -308,6 +309,53 @@ TEST(ColorSensor, SeesAPointWhereItsDistortionPutsIt) {
             std::max(largest_move, glm::length(expected - *Projection(straight).project(seen)));
     }
     EXPECT_GT(largest_move, 2.0);
+}
+
+TEST(ColorSensor, DarkensTheFloorUnderTheFeetAndNothingElse) {
+    const SyntheticScene scene = make_scene(Motion::idle, 320, 240);
+    ColorSensor sensor(scene);
+    std::vector<Primitive> person;
+    scene.person_at(0, person);
+    const std::vector<Body> bodies = scene.bodies_at(0);
+    std::vector<std::uint32_t> plain(320 * 240), spotted(320 * 240);
+    sensor.draw(person, nullptr, plain);
+    sensor.draw(person, &bodies.front(), spotted);
+    const Visibility& seen = sensor.visibility();
+    const Projection projection(*scene.rig.color);
+    const auto foot = projection.project(scene.rig.color_from_depth *
+                                         glm::dvec3(bodies[0][Joint::foot_left].position_m));
+    ASSERT_TRUE(foot);
+    int darker_near = 0;
+    for (int y = 0; y < 240; ++y) {
+        for (int x = 0; x < 320; ++x) {
+            const auto i = static_cast<std::size_t>(y) * 320 + static_cast<std::size_t>(x);
+            const bool floor = seen.part_of(seen.id().at(x, y)) == kPartFloor;
+            if (!floor) {
+                ASSERT_EQ(plain[i], spotted[i]);
+            }
+            for (int shift = 0; shift < 24; shift += 8) {
+                ASSERT_LE((spotted[i] >> shift) & 255, (plain[i] >> shift) & 255);
+            }
+            const double away = glm::length(glm::dvec2(x, y) - *foot);
+            darker_near += floor && away < 15 && (spotted[i] & 255) * 4 < (plain[i] & 255) * 3;
+        }
+    }
+    EXPECT_GT(darker_near, 20);
+}
+
+TEST(SyntheticSource, EveryFrameHasItsSpotsUnderThePerson) {
+    const auto source = make(Motion::walk);
+    const SyntheticScene& scene = source->scene();
+    ColorSensor sensor(scene);
+    std::vector<Primitive> person;
+    std::vector<std::uint32_t> rgba(320 * 240);
+    for (const int frame : {4, 5, 150}) {
+        scene.person_at(frame / 30.0, person);
+        const std::vector<Body> bodies = scene.bodies_at(frame / 30.0);
+        sensor.draw(person, &bodies.front(), rgba);
+        const FrameSet set = frame_at(*source, frame);
+        EXPECT_EQ(std::memcmp(set.color->bytes.data(), rgba.data(), set.color->bytes.size()), 0);
+    }
 }
 
 TEST(ColorSensor, SeesTheSameSurfacesAsTheDepthCameraFromItsOwnPlace) {
