@@ -104,7 +104,8 @@ TEST(TumFolder, GarbageListsAreErrorsThatNameTheFile) {
     for (const char* file : {"depth.txt", "rgb.txt", "groundtruth.txt"}) {
         const TestFolder folder;
         write_tum(folder, true);
-        folder.write(file, std::string("\x89PNG\r\n\0\0garbage \xFF\xFE\n more\n", 28));
+        using namespace std::string_literals;
+        folder.write(file, "\x89PNG\r\n\0\0garbage \xFF\xFE\n more\n"s);
         EXPECT_THAT(open_error(folder.path()), HasSubstr(file));
     }
 }
