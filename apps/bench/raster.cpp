@@ -83,7 +83,7 @@ class RasterBench {
         scene.live = live;
         FrameOptions options;
         options.raster = path;
-        options.read_surface = true;
+        options.read_view_z = true;  // drawn as for the screen
         auto frame = renderer_.render_to_image(scene, view, options);
         if (!frame) {
             context_.fail(frame.error());

@@ -87,7 +87,8 @@ Agreement compare_with_reference(const FrameResult& frame,
                                     std::abs(got.g - want.color.g) <= 2 &&
                                     std::abs(got.b - want.color.b) <= 2;
             const bool same_depth = std::abs(z - want.depth_m) <= 0.001;
-            if (frame.surface.id.at(x, y) == want.id || (same_depth && same_color)) {
+            const bool same_id = !frame.surface.id.empty() && frame.surface.id.at(x, y) == want.id;
+            if (same_id || (same_depth && same_color)) {
                 ++out.agreeing_px;
             }
         }

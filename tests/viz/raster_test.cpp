@@ -29,12 +29,14 @@ class RasterTest : public VizTest {
   protected:
     RasterTest() : renderer(device()) {}
 
-    FrameResult draw(const LiveDepth& live, const View& view, RasterPath path) {
+    /// `ids`: with ids and normals; else as for the screen, where keys carry colours.
+    FrameResult draw(const LiveDepth& live, const View& view, RasterPath path, bool ids = true) {
         Scene scene;
         scene.live = live;
         FrameOptions options;
         options.raster = path;
-        options.read_surface = true;
+        options.read_surface = ids;
+        options.read_view_z = true;
         auto result = renderer.render_to_image(scene, view, options);
         EXPECT_TRUE(result) << (result ? "" : result.error().to_string());
         return result ? std::move(*result) : FrameResult{};
@@ -61,6 +63,20 @@ TEST_F(RasterTest, EveryPathAgreesWithTheDoubleReferenceInEveryView) {
                 // lands in the neighbouring pixel: 0.8 %. The compute paths do not snap.
                 EXPECT_GE(agreement.share(), path == RasterPath::hardware ? 0.99 : 0.995);
                 EXPECT_GE(agreement.coverage(), 0.98);
+            }
+        }
+    }
+}
+
+TEST_F(RasterTest, KeysThatCarryColoursAgreeToo) {
+    for (const DepthStyle style : {DepthStyle::cloud, DepthStyle::mesh}) {
+        const LiveDepth live = test_scene(style);
+        for (const NamedView& named : standard_views(live, small_camera(), 320, 180)) {
+            for (const RasterPath path : {RasterPath::compute, RasterPath::compute_32bit}) {
+                const Agreement agreement = compare_with_reference(
+                    draw(live, named.view, path, false), reference_picture(live, named.view));
+                EXPECT_GE(agreement.share(), 0.995) << named.name;
+                EXPECT_GE(agreement.coverage(), 0.98) << named.name;
             }
         }
     }

@@ -120,7 +120,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
         surface.albedo =
             lit ? graph.create_texture("albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM})
                 : picture;
-        if (lit || skeleton || probing || options.read_surface) {
+        if (lit || skeleton || probing || options.read_surface || options.read_view_z) {
             surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
         }
         if (lit || options.read_surface) {
@@ -165,11 +165,13 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
         KINO_TRY(fit(device_, picture_readback_, "picture readback", pixels * 4));
         add_readback(graph, "frame/read picture", picture, {}, target.extent, picture_readback_);
     }
-    if (options.read_surface && live) {
+    if ((options.read_surface || options.read_view_z) && live) {
         KINO_TRY(fit(device_, view_z_readback_, "view depth readback", pixels * 4));
-        KINO_TRY(fit(device_, id_readback_, "id readback", pixels * 4));
         add_readback(graph, "frame/read depth", surface.view_z, {}, target.extent,
                      view_z_readback_);
+    }
+    if (options.read_surface && live) {
+        KINO_TRY(fit(device_, id_readback_, "id readback", pixels * 4));
         add_readback(graph, "frame/read id", surface.id, {}, target.extent, id_readback_);
         KINO_TRY(fit(device_, normal_readback_, "normal readback", pixels * 4));
         add_readback(graph, "frame/read normal", surface.normal, {}, target.extent,
@@ -192,8 +194,10 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
         }
         for (Rgba8& pixel : result.picture.pixels()) pixel.a = 255;
     }
-    if (options.read_surface && live) {
+    if ((options.read_surface || options.read_view_z) && live) {
         copy_out(view_z_readback_, view.width, view.height, result.surface.view_z_m);
+    }
+    if (options.read_surface && live) {
         copy_out(id_readback_, view.width, view.height, result.surface.id);
         copy_out(normal_readback_, view.width, view.height, result.surface.normal);
     }

@@ -31,7 +31,8 @@ struct FrameOptions {
     std::optional<glm::ivec2> probe_px;
     /// Copies the finished picture (and, if asked, the surface) back to the host.
     bool read_picture = false;
-    bool read_surface = false;
+    bool read_surface = false;  ///< depth, ids and normals
+    bool read_view_z = false;   ///< depth alone: draws as for the screen
     /// Adds passes after everything else, into the target: the user interface.
     std::function<graph::TextureId(graph::FrameGraph&, graph::TextureId target)> overlay;
 };

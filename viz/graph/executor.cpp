@@ -195,9 +195,13 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
     KINO_TRY(place(graph, compiled));
     KINO_TRY(place_history(graph));
 
+    const auto label = [&](const CompiledPass& pass) -> const std::string& {
+        const Pass& declared = graph.passes()[pass.pass];
+        return timing == Timing::every_pass ? declared.name : declared.group;
+    };
     std::vector<std::string> groups;
     for (const CompiledPass& pass : compiled.passes) {
-        const std::string& group = graph.passes()[pass.pass].group;
+        const std::string& group = label(pass);
         if (groups.empty() || groups.back() != group) groups.push_back(group);
     }
     std::vector<GroupTime> times;
@@ -219,13 +223,12 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
         std::size_t end = next;
         std::size_t end_group = group_index;
         const auto split_at = [&](std::size_t group) {
-            return timing == Timing::every_group ||
+            return timing == Timing::every_group || timing == Timing::every_pass ||
                    (timing == Timing::one_group && (group == timed || group == timed + 1));
         };
         do {
-            const std::string& group = graph.passes()[compiled.passes[end].pass].group;
-            while (end < compiled.passes.size() &&
-                   graph.passes()[compiled.passes[end].pass].group == group) {
+            const std::string& group = label(compiled.passes[end]);
+            while (end < compiled.passes.size() && label(compiled.passes[end]) == group) {
                 ++end;
             }
             ++end_group;
@@ -244,7 +247,7 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
         if (error_) return fail(*error_);
         report.submit_to_fence += elapsed;
         const bool single = end_group == group_index + 1;
-        if (single && (timing == Timing::every_group ||
+        if (single && (timing == Timing::every_group || timing == Timing::every_pass ||
                        (timing == Timing::one_group && group_index == timed))) {
             group_times_[group_index].ms = to_ms(elapsed);
         }

@@ -59,9 +59,10 @@ struct FrameReport {
 };
 
 enum class Timing : std::uint8_t {
-    frame,       ///< one submit: only the whole is known
-    one_group,   ///< one group a frame, in turn, gets a submit and fence of its own
-    every_group  ///< all do; for benches and for the test that sums the parts
+    frame,        ///< one submit: only the whole is known
+    one_group,    ///< one group a frame, in turn, gets a submit and fence of its own
+    every_group,  ///< all do; for benches and for the test that sums the parts
+    every_pass    ///< each pass on its own, named as a group of its own; for tuning
 };
 
 /// Gives a FrameGraph memory and runs it. On CPU devices timestamps read near zero for

@@ -45,6 +45,9 @@ constexpr std::uint32_t kResolveCloud[] = {
 constexpr std::uint32_t kResolveMesh[] = {
 #include "resolve_mesh_frag.inc"
 };
+constexpr std::uint32_t kResolveColor[] = {
+#include "resolve_color_frag.inc"
+};
 
 constexpr const char* kRasterGroup = "raster";
 constexpr const char* kResolveGroup = "resolve";
@@ -90,32 +93,48 @@ void for_each_key_pass(bool key32, SurfaceParams params, AddPass add_pass) {
     }
 }
 
+/// Without normals and ids the keys carry colours, and the resolve is a copy.
+bool carries_color(const SurfaceTargets& targets) {
+    return !targets.normal.valid() && !targets.id.valid();
+}
+
 SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in, BufferId visibility,
                            bool mesh, SurfaceTargets targets) {
+    const bool color_payload = carries_color(targets);
+    const char* name = color_payload ? "surface/resolve colours"
+                       : mesh        ? "surface/resolve mesh"
+                                     : "surface/resolve cloud";
     const BufferId normals = in.normals.valid() ? in.normals : in.depth;
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
-        desc.name = mesh ? "surface/resolve mesh" : "surface/resolve cloud";
+        desc.name = name;
         desc.vertex = kFullscreen;
-        desc.fragment = mesh ? std::span<const std::uint32_t>(kResolveMesh)
-                             : std::span<const std::uint32_t>(kResolveCloud);
-        desc.bindings.assign(5, Binding::storage);
+        desc.fragment = color_payload ? std::span<const std::uint32_t>(kResolveColor)
+                        : mesh        ? std::span<const std::uint32_t>(kResolveMesh)
+                                      : std::span<const std::uint32_t>(kResolveCloud);
+        desc.bindings.assign(color_payload ? 1 : 5, Binding::storage);
         desc.push_bytes = sizeof(SurfaceParams);
         desc.constants = {targets.normal.valid() ? 1u : 0u, in.has_color ? 1u : 0u};
         desc.color_formats = target_formats(c, targets);
         begin_targets(c, targets, false, nullptr);
-        if (c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
-                          c.bound(in.color), c.bound(normals)})) {
+        const bool bound =
+            color_payload ? c.bind(desc, {c.bound(visibility)})
+                          : c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
+                                          c.bound(in.color), c.bound(normals)});
+        if (bound) {
             c.commands().constants(in.params);
             c.commands().draw(3);
         }
         c.commands().end_rendering();
     };
     graph.add_pass(
-        mesh ? "surface/resolve mesh" : "surface/resolve cloud", kResolveGroup,
+        name, kResolveGroup,
         [&](PassBuilder& b) {
-            for (const BufferId id : {visibility, in.depth, in.rays, in.color, normals}) {
-                b.read(id, Use::fragment_read);
+            b.read(visibility, Use::fragment_read);
+            if (!color_payload) {
+                for (const BufferId id : {in.depth, in.rays, in.color, normals}) {
+                    b.read(id, Use::fragment_read);
+                }
             }
             write_targets(b, targets);
         },
@@ -154,13 +173,17 @@ SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs
             [&](PassBuilder& b) {
                 b.read(in.depth, Use::compute_read);
                 b.read(in.rays, Use::compute_read);
+                b.read(in.color, Use::compute_read);
                 visibility = b.write(visibility, Use::compute_write);
             },
             [=](PassContext& c) {
-                const std::uint32_t single = params.splat_cap_px == 1 ? 1 : 0;
-                const auto desc = key32 ? compute("surface/splat 32 bit", kSplat32, 3, {single})
-                                        : compute("surface/splat", kSplat, 3, {single});
-                if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays)})) {
+                const std::vector<std::uint32_t> constants = {carries_color(targets) ? 1u : 0u,
+                                                              in.has_color ? 1u : 0u,
+                                                              params.splat_cap_px == 1 ? 1u : 0u};
+                const auto desc = key32 ? compute("surface/splat 32 bit", kSplat32, 4, constants)
+                                        : compute("surface/splat", kSplat, 4, constants);
+                if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
+                                   c.bound(in.color)})) {
                     return;
                 }
                 c.commands().constants(params);
@@ -173,6 +196,8 @@ SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs
 SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs& in, bool key32,
                                 SurfaceTargets targets) {
     const std::uint64_t cells = std::uint64_t{in.params.grid.x - 1} * (in.params.grid.y - 1);
+    const std::vector<std::uint32_t> constants = {carries_color(targets) ? 1u : 0u,
+                                                  in.has_color ? 1u : 0u};
     BufferId visibility = add_clear(graph, in.params);
     BufferId vertices = graph.create_buffer("projected vertices", {grid_count(in.params) * 16});
     // Room for every triangle, so that no view can overflow it.
@@ -205,30 +230,39 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
             index_pass ? "surface/small triangles index" : "surface/small triangles", kRasterGroup,
             [&](PassBuilder& b) {
                 b.read(vertices, Use::compute_read);
+                b.read(in.color, Use::compute_read);
                 visibility = b.write(visibility, Use::compute_write);
                 large = b.write(large, Use::compute_write);
             },
             [=](PassContext& c) {
-                const auto desc = key32 ? compute("surface/small triangles 32 bit", kMeshCells32, 3)
-                                        : compute("surface/small triangles", kMeshCells, 3);
-                if (!c.bind(desc, {c.bound(visibility), c.bound(vertices), c.bound(large)})) return;
+                const auto desc =
+                    key32 ? compute("surface/small triangles 32 bit", kMeshCells32, 4, constants)
+                          : compute("surface/small triangles", kMeshCells, 4, constants);
+                if (!c.bind(desc, {c.bound(visibility), c.bound(vertices), c.bound(large),
+                                   c.bound(in.color)})) {
+                    return;
+                }
                 c.commands().constants(params);
-                c.commands().dispatch(groups_of_64(cells));
+                // A thread walks down eight cells of a column.
+                const std::uint64_t strips = (in.params.grid.y - 1 + 7) / 8;
+                c.commands().dispatch(groups_of_64(strips * (in.params.grid.x - 1)));
             });
         graph.add_pass(
             index_pass ? "surface/large triangles index" : "surface/large triangles", kRasterGroup,
             [&](PassBuilder& b) {
                 b.read(in.depth, Use::compute_read);
                 b.read(in.rays, Use::compute_read);
+                b.read(in.color, Use::compute_read);
                 b.read(large, Use::indirect_read);
                 b.read(large, Use::compute_read);
                 visibility = b.write(visibility, Use::compute_write);
             },
             [=](PassContext& c) {
-                const auto desc = key32 ? compute("surface/large triangles 32 bit", kMeshLarge32, 4)
-                                        : compute("surface/large triangles", kMeshLarge, 4);
+                const auto desc =
+                    key32 ? compute("surface/large triangles 32 bit", kMeshLarge32, 5, constants)
+                          : compute("surface/large triangles", kMeshLarge, 5, constants);
                 if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
-                                   c.bound(large)})) {
+                                   c.bound(large), c.bound(in.color)})) {
                     return;
                 }
                 c.commands().constants(params);

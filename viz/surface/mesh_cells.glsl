@@ -1,7 +1,13 @@
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
+#include "viz/surface/payload.glsl"
 layout(scalar, set = 0, binding = 1) readonly buffer Vertices { vec4 vertices[]; };
 layout(scalar, set = 0, binding = 2) buffer Large { LargeList large; uint large_triangles[]; };
+layout(scalar, set = 0, binding = 3) readonly buffer Color { uint color[]; };
+
+layout(constant_id = 1) const uint kHasColor = 1u;
+// Cells a thread walks down: the lower corners of one are the upper corners of the next.
+const uint kStrip = 8u;
 
 // Each listed triangle gets a work group in the pass that follows.
 void list(uint triangle) {
@@ -13,60 +19,100 @@ void list(uint triangle) {
     }
 }
 
-// One triangle of at most KINO_MICRO_LIMIT_PX a side, pixel by pixel. A pixel centre exactly on an
-// edge belongs to both neighbours: the visibility buffer settles it, and nothing leaks between.
-void raster(uint triangle, vec4 a, vec4 b, vec4 c) {
-    vec2 low = min(a.xy, min(b.xy, c.xy));
-    vec2 high = max(a.xy, max(b.xy, c.xy));
-    if (any(greaterThan(low, vec2(p.target))) || any(lessThan(high, vec2(0.0)))) return;
-    if (any(greaterThan(high - low, vec2(KINO_MICRO_LIMIT_PX)))) {
-        list(triangle);
-        return;
-    }
-    // Pixel centres at +0.5; coordinates relative to a keep float exact enough.
-    ivec2 first = max(ivec2(ceil(low - 0.5)), ivec2(0));
-    ivec2 last = min(ivec2(floor(high - 0.5)), ivec2(p.target) - 1);
-    vec2 ab = b.xy - a.xy;
-    vec2 ac = c.xy - a.xy;
-    float area = ab.x * ac.y - ab.y * ac.x;
-    if (area == 0.0) return;
-    float scale = 1.0 / area;
-    // 1/z and both barycentrics are linear on the screen.
-    vec3 inverse_z = vec3(a.z, b.z - a.z, c.z - a.z);
-    const float kSlack = -1e-5;
-    for (int y = first.y; y <= last.y; ++y) {
-        for (int x = first.x; x <= last.x; ++x) {
-            vec2 d = vec2(x, y) + 0.5 - a.xy;
-            float wb = (d.x * ac.y - d.y * ac.x) * scale;
-            float wc = (ab.x * d.y - ab.y * d.x) * scale;
-            if (wb >= kSlack && wc >= kSlack && wb + wc <= 1.0 - kSlack) {
-                float z = 1.0 / (inverse_z.x + wb * inverse_z.y + wc * inverse_z.z);
-                put(uint(y) * p.target.x + uint(x), z, triangle, p.key_pass);
-            }
-        }
-    }
+uint color_at(uint i) {
+    return kColorPayload != 0u && kHasColor != 0u ? color[i] : 0u;
 }
 
-void triangle(uint id, vec4 a, vec4 b, vec4 c) {
-    if (!keep_triangle(p, a.w, b.w, c.w)) return;
-    float nearest = max(a.z, max(b.z, c.z));
-    if (nearest <= 0.0) return;  // all of it in front of the near plane
-    if (min(a.z, min(b.z, c.z)) <= 0.0) {
-        list(id);
-    } else {
-        raster(id, a, b, c);
+// A cell's two triangles, (00, 10, 01) and (10, 11, 01), in one walk over the pixels of their
+// common bounds. A pixel centre exactly on an edge belongs to both neighbours: the visibility
+// buffer settles it, and nothing leaks between.
+void raster(uint cell, uint kept, vec3 a, vec3 b, vec3 c, vec3 d, uvec4 colors) {
+    vec2 low = min(min(a.xy, b.xy), min(c.xy, d.xy));
+    vec2 high = max(max(a.xy, b.xy), max(c.xy, d.xy));
+    float nearest = max(max(a.z, b.z), max(c.z, d.z));
+    float farthest = min(min(a.z, b.z), min(c.z, d.z));
+    bool visible = nearest > 0.0 && all(lessThan(low, vec2(p.target))) &&
+                   all(greaterThan(high, vec2(0.0)));
+    // Corners nearer than the near plane have no place on the screen: clipped in the other pass.
+    bool crossing = nearest > 0.0 && farthest <= 0.0;
+    bool micro = visible && !crossing && all(lessThan(high - low, vec2(KINO_MICRO_LIMIT_PX)));
+    bool listed = crossing || (visible && !micro);
+    for (uint k = 0u; k < (listed ? 2u : 0u); ++k) {
+        if ((kept & (1u << k)) != 0u) list(2u * cell + k);
+    }
+    // Pixel centres at +0.5; coordinates relative to a corner keep float exact enough.
+    ivec2 first = max(ivec2(ceil(low - 0.5)), ivec2(0));
+    ivec2 last = min(ivec2(floor(high - 0.5)), ivec2(p.target) - 1);
+    int wide = last.x - first.x + 1;
+    int count = micro && wide > 0 ? wide * max(last.y - first.y + 1, 0) : 0;
+    vec2 ab = b.xy - a.xy;
+    vec2 ac = c.xy - a.xy;
+    vec2 dc = c.xy - d.xy;
+    vec2 db = b.xy - d.xy;
+    float area0 = ab.x * ac.y - ab.y * ac.x;
+    float area1 = dc.x * db.y - dc.y * db.x;
+    float scale0 = (kept & 1u) != 0u && area0 != 0.0 ? 1.0 / area0 : 0.0;
+    float scale1 = (kept & 2u) != 0u && area1 != 0.0 ? 1.0 / area1 : 0.0;
+    // Of b and c, then of the first and the second triangle's own corner.
+    uint color_b = color_or(colors.y, colors.z, colors.x);
+    uint color_c = color_or(colors.z, colors.y, colors.w);
+    uint color_a = color_or(colors.x, color_b, color_b);
+    uint color_d = color_or(colors.w, color_c, color_c);
+    const float kSlack = 1e-5;
+    ivec2 at = first;
+    for (int k = 0; k < count; ++k) {
+        vec2 from_a = vec2(at) + 0.5 - a.xy;
+        vec2 from_d = vec2(at) + 0.5 - d.xy;
+        // Weights of b and c in either triangle; the third corner has the rest.
+        vec2 w0 = vec2(from_a.x * ac.y - from_a.y * ac.x, ab.x * from_a.y - ab.y * from_a.x) * scale0;
+        vec2 w1 = vec2(dc.x * from_d.y - dc.y * from_d.x, from_d.x * db.y - from_d.y * db.x) * scale1;
+        bool in0 = scale0 != 0.0 && min(w0.x, w0.y) >= -kSlack && w0.x + w0.y <= 1.0 + kSlack;
+        bool in1 = scale1 != 0.0 && min(w1.x, w1.y) >= -kSlack && w1.x + w1.y <= 1.0 + kSlack;
+        // 1/z is linear on the screen.
+        float i0 = a.z + w0.x * (b.z - a.z) + w0.y * (c.z - a.z);
+        float i1 = d.z + w1.x * (b.z - d.z) + w1.y * (c.z - d.z);
+        bool second = in1 && (!in0 || i1 > i0);
+        if (in0 || in1) {
+            float inverse_z = second ? i1 : i0;
+            vec2 w = second ? w1 : w0;
+            float z = 1.0 / inverse_z;
+            uint payload = 2u * cell + (second ? 1u : 0u);
+            if (kColorPayload != 0u) {
+                // From the screen's weights to those in space.
+                payload = mix_colors(second ? color_d : color_a, color_b, color_c,
+                                     w * vec2(b.z, c.z) * z);
+            }
+            put(uint(at.y) * p.target.x + uint(at.x), z, payload, p.key_pass);
+        }
+        ++at.x;
+        if (at.x > last.x) at = ivec2(first.x, at.y + 1);
     }
 }
 
 void main() {
-    uint cell = gl_GlobalInvocationID.x;
     uint cells_x = p.grid.x - 1u;
-    if (cell >= cells_x * (p.grid.y - 1u)) return;
-    uint base = (cell / cells_x) * p.grid.x + cell % cells_x;
-    vec4 v00 = vertices[base];
-    vec4 v10 = vertices[base + 1u];
-    vec4 v01 = vertices[base + p.grid.x];
-    vec4 v11 = vertices[base + p.grid.x + 1u];
-    triangle(2u * cell, v00, v10, v01);
-    triangle(2u * cell + 1u, v10, v11, v01);
+    uint cells_y = p.grid.y - 1u;
+    uint column = gl_GlobalInvocationID.x % cells_x;
+    uint first_row = gl_GlobalInvocationID.x / cells_x * kStrip;
+    uint end_row = min(first_row + kStrip, cells_y);
+    if (first_row >= cells_y) return;
+    uint i = first_row * p.grid.x + column;
+    vec4 upper_left = vertices[i];
+    vec3 upper_right = vertices[i + 1u].xyz;
+    uvec2 upper_colors = uvec2(color_at(i), color_at(i + 1u));
+    for (uint row = first_row; row < end_row; ++row) {
+        vec4 lower_left = vertices[i + p.grid.x];
+        vec3 lower_right = vertices[i + p.grid.x + 1u].xyz;
+        uvec2 lower_colors = uvec2(color_at(i + p.grid.x), color_at(i + p.grid.x + 1u));
+        uint kept = floatBitsToUint(upper_left.w);
+        // A loop, not an if: it really skips where no lane has a triangle.
+        for (uint once = 0u; once < min(kept, 1u); ++once) {
+            raster(row * cells_x + column, kept, upper_left.xyz, upper_right, lower_left.xyz,
+                   lower_right, uvec4(upper_colors, lower_colors));
+        }
+        upper_left = lower_left;
+        upper_right = lower_right;
+        upper_colors = lower_colors;
+        i += p.grid.x;
+    }
 }

@@ -1,8 +1,16 @@
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
+#include "viz/surface/payload.glsl"
 layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
 layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
 layout(scalar, set = 0, binding = 3) readonly buffer Large { LargeList large; uint large_triangles[]; };
+layout(scalar, set = 0, binding = 4) readonly buffer Color { uint color[]; };
+
+layout(constant_id = 1) const uint kHasColor = 1u;
+
+uint color_at(uint i) {
+    return kColorPayload != 0u && kHasColor != 0u ? color[i] : 0u;
+}
 
 vec2 to_pixel(vec3 v) { return p.k.xy * v.xy / v.z + p.k.zw + 0.5; }
 
@@ -49,6 +57,9 @@ void main() {
     vec3 across_b = cross(ac, n) / area2;  // its dot product with (q - a) is the weight of b
     vec3 across_c = cross(n, ab) / area2;
     float distance = dot(a, n);
+    uint color_b = color_or(color_at(corners.y), color_at(corners.z), color_at(corners.x));
+    uint color_c = color_or(color_at(corners.z), color_b, color_b);
+    uint color_a = color_or(color_at(corners.x), color_b, color_b);
     const float kSlack = -1e-5;
     for (uint k = gl_LocalInvocationID.x; k < pixels; k += 64u) {
         uvec2 pixel = uvec2(first.x + k % wide, first.y + k / wide);
@@ -58,7 +69,11 @@ void main() {
         float wb = dot(q, across_b);
         float wc = dot(q, across_c);
         if (z >= p.near_m && wb >= kSlack && wc >= kSlack && wb + wc <= 1.0 - kSlack) {
-            put(pixel.y * p.target.x + pixel.x, z, id, p.key_pass);
+            uint payload = id;
+            if (kColorPayload != 0u) {
+                payload = mix_colors(color_a, color_b, color_c, vec2(wb, wc));
+            }
+            put(pixel.y * p.target.x + pixel.x, z, payload, p.key_pass);
         }
     }
 }

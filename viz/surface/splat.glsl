@@ -1,9 +1,12 @@
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
+#include "viz/surface/payload.glsl"
 layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
 layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
+layout(scalar, set = 0, binding = 3) readonly buffer Color { uint color[]; };
 
-layout(constant_id = 0) const uint kSinglePixel = 1u;
+layout(constant_id = 1) const uint kHasColor = 1u;
+layout(constant_id = 2) const uint kSinglePixel = 1u;
 
 void main() {
     uint i = gl_GlobalInvocationID.x;
@@ -11,6 +14,7 @@ void main() {
     float z = depth_m[i];
     vec3 v = to_view(p, depth_point(z, rays[i]));
     if (!(z > 0.0) || !(v.z >= p.near_m)) return;
+    uint payload = kColorPayload == 0u ? i : kHasColor != 0u ? opaque(color[i]) : kUncolouredBits;
     vec2 centre = p.k.xy * v.xy / v.z + p.k.zw + 0.5;  // framebuffer coordinates
     // Also refuses what would not fit an int.
     vec2 margin = vec2(float(p.splat_cap_px));
@@ -18,16 +22,17 @@ void main() {
     if (kSinglePixel != 0u) {
         ivec2 pixel = ivec2(floor(centre));
         if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(p.target)))) return;
-        put(uint(pixel.y) * p.target.x + uint(pixel.x), v.z, i, p.key_pass);
+        put(uint(pixel.y) * p.target.x + uint(pixel.x), v.z, payload, p.key_pass);
     } else {
         // A depth pixel is z / focal wide in space; seen from here it covers this many pixels.
         float footprint = p.k.x * z / (p.depth_focal_px * v.z);
         float size = clamp(ceil(footprint), 1.0, float(p.splat_cap_px));
-        ivec2 first = max(ivec2(floor(centre - 0.5 * size + 0.5)), ivec2(0));
-        ivec2 last = min(ivec2(floor(centre - 0.5 * size + 0.5)) + int(size), ivec2(p.target));
+        ivec2 corner = ivec2(floor(centre - 0.5 * size + 0.5));
+        ivec2 first = max(corner, ivec2(0));
+        ivec2 last = min(corner + int(size), ivec2(p.target));
         for (int y = first.y; y < last.y; ++y) {
             for (int x = first.x; x < last.x; ++x) {
-                put(uint(y) * p.target.x + uint(x), v.z, i, p.key_pass);
+                put(uint(y) * p.target.x + uint(x), v.z, payload, p.key_pass);
             }
         }
     }

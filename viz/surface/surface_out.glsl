@@ -6,7 +6,7 @@ layout(location = 2) out vec2 out_normal;   // octahedral, view space
 layout(location = 3) out uint out_id;       // depth pixel (cloud) or triangle (mesh); ~0: nothing
 
 // Colour of what the depth camera saw and the colour camera did not.
-const vec3 kUncoloured = vec3(0.56, 0.57, 0.60);
+const vec3 kUncoloured = vec3(143.0, 145.0, 153.0) / 255.0;
 
 vec3 background_at(float v) {
     vec3 top = unpackUnorm4x8(p.background.x).rgb;
