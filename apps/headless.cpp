@@ -102,9 +102,9 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     if (frame.set.pose_origin == PoseOrigin::trajectory) {
         camera_.orbit.follow(measure_place(frame).center, to_seconds(stepper.duration()));
     }
-    const View view =
-        camera_.view(stepper.opened().processor.rig().parameters().depth,
-                     frame.set.world_from_depth, summary_.width, summary_.height, time_s);
+    camera_.orbit.set_time(time_s);
+    const View view = camera_.view(stepper.opened().processor.rig().parameters().depth,
+                                   frame.set.world_from_depth, summary_.width, summary_.height);
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
     frame_options.read_picture = true;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <string>
@@ -11,7 +12,7 @@
 #include "apps/replay_options.h"
 #include "apps/sources.h"
 #include "apps/viewer/keys.h"
-#include "apps/window_replay.h"
+#include "apps/window/window_replay.h"
 
 namespace kino {
 namespace {
@@ -76,7 +77,12 @@ Command add_replay(CLI::App& parent) {
         ->check(CLI::IsMember({"compute", "compute32", "hardware"}))
         ->type_name("compute|compute32|hardware");
     app.add_option("--speed", options->speed, "0.1 to 8, default 1")
-        ->check(CLI::Range(Playback::kMinSpeed, Playback::kMaxSpeed))
+        ->check([](const std::string& text) {
+            // CLI::Range lets "nan" through.
+            const double speed = std::strtod(text.c_str(), nullptr);
+            const bool fits = speed >= Playback::kMinSpeed && speed <= Playback::kMaxSpeed;
+            return fits ? std::string() : text + " is not a speed from 0.1 to 8";
+        })
         ->type_name("X");
     app.add_flag("--stepped", options->stepped,
                  "every frame in order, none dropped, the same bits every time; "

@@ -39,22 +39,22 @@ const char* view_name(ViewKind kind) {
 void OrbitCamera::reset(const ScenePlace& place) {
     const glm::dvec3 back = place.world_from_depth.translation - place.center;
     target_ = place.center;
-    distance_m_ = std::max(0.2, 1.08 * place.distance_m);
+    distance_m_ = std::max(0.2, 1.12 * place.distance_m);
     yaw_ = yaw_of(back);
     // A little from above shows the floor and reads better than the sensor's own view.
-    pitch_ = std::min(pitch_of(back) + 0.06, kSteepest);
+    pitch_ = std::min(pitch_of(back) + 0.04, kSteepest);
     touched_ = false;
 }
 
 void OrbitCamera::turn(double yaw, double pitch) {
-    touched_ = true;
+    hold_still();
     yaw_ += yaw;
     pitch_ = std::clamp(pitch_ + pitch, -kSteepest, kSteepest);
 }
 
 void OrbitCamera::pan(glm::dvec2 right_up) {
-    const Pose camera = pose(0);
-    touched_ = true;
+    hold_still();
+    const Pose camera = pose();
     target_ += distance_m_ * (camera.rotation * glm::dvec3(right_up.x, -right_up.y, 0));
 }
 
@@ -68,15 +68,23 @@ void OrbitCamera::follow(const glm::dvec3& center, double dt_s) {
     target_ += (center - target_) * (1 - std::exp(-std::max(0.0, dt_s) / kTimeConstant_s));
 }
 
-Pose OrbitCamera::pose(double time_s) const {
-    double yaw = yaw_;
-    double pitch = pitch_;
-    if (!touched_) {
-        yaw += 0.30 * std::sin(2 * kPi * time_s / 11.0);
-        pitch += 0.05 * std::sin(2 * kPi * time_s / 7.3);
-    }
-    pitch = std::clamp(pitch, -kSteepest, kSteepest);
-    return look_at(target_ + distance_m_ * direction(yaw, pitch), target_);
+OrbitCamera::Angles OrbitCamera::swayed() const {
+    if (touched_) return {yaw_, pitch_};
+    const double yaw = yaw_ + 0.30 * std::sin(2 * kPi * time_s_ / 11.0);
+    const double pitch = pitch_ + 0.05 * std::sin(2 * kPi * time_s_ / 7.3);
+    return {yaw, std::clamp(pitch, -kSteepest, kSteepest)};
+}
+
+void OrbitCamera::hold_still() {
+    const Angles now = swayed();
+    yaw_ = now.yaw;
+    pitch_ = now.pitch;
+    touched_ = true;
+}
+
+Pose OrbitCamera::pose() const {
+    const Angles now = swayed();
+    return look_at(target_ + distance_m_ * direction(now.yaw, now.pitch), target_);
 }
 
 void FlyCamera::reset(const Pose& world_from_view) {
@@ -107,7 +115,7 @@ Pose FlyCamera::pose() const {
 
 void CameraControl::reset(const ScenePlace& place) {
     orbit.reset(place);
-    fly.reset(orbit.pose(0));
+    fly.reset(orbit.pose());
 }
 
 void CameraControl::choose(ViewKind wanted, const Pose& world_from_view) {
@@ -116,14 +124,14 @@ void CameraControl::choose(ViewKind wanted, const Pose& world_from_view) {
 }
 
 View CameraControl::view(const CameraModel& depth, const Pose& world_from_depth, int width,
-                         int height, double time_s) const {
+                         int height) const {
     if (kind == ViewKind::sensor) return sensor_view(depth, world_from_depth, width, height);
     const double sensor_fov = 2 * std::atan(0.5 * depth.height / depth.fy);
     const double fov = std::clamp(sensor_fov, 40 * kPi / 180, 62 * kPi / 180);
     return {.width = width,
             .height = height,
             .projection = perspective(fov, width, height),
-            .world_from_view = kind == ViewKind::fly ? fly.pose() : orbit.pose(time_s)};
+            .world_from_view = kind == ViewKind::fly ? fly.pose() : orbit.pose()};
 }
 
 }  // namespace kino

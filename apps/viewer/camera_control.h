@@ -26,15 +26,24 @@ class OrbitCamera {
     void zoom(double factor);
     /// Follows a centre that wanders (a camera carried through rooms), `dt_s` later.
     void follow(const glm::dvec3& center, double dt_s);
-    /// Camera at `time_s`, any clock.
-    [[nodiscard]] Pose pose(double time_s) const;
+    /// Now, by any clock that does not jump: where the sway is.
+    void set_time(double time_s) { time_s_ = time_s; }
+    /// Stays where it is from here on, as after a touch.
+    void hold_still();
+    [[nodiscard]] Pose pose() const;
     [[nodiscard]] bool sways() const { return !touched_; }
 
   private:
     glm::dvec3 target_{0};
     double distance_m_ = 2;
+    struct Angles {
+        double yaw = 0;
+        double pitch = 0;
+    };
+    [[nodiscard]] Angles swayed() const;
     double yaw_ = 0;
     double pitch_ = 0;
+    double time_s_ = 0;
     bool touched_ = false;
 };
 
@@ -65,7 +74,7 @@ struct CameraControl {
     void choose(ViewKind wanted, const Pose& world_from_view);
     /// `depth` and `world_from_depth` are those of the frame shown.
     [[nodiscard]] View view(const CameraModel& depth, const Pose& world_from_depth, int width,
-                            int height, double time_s) const;
+                            int height) const;
 };
 
 }  // namespace kino

@@ -1,15 +1,17 @@
 #include "apps/viewer/scene_place.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 namespace kino {
 namespace {
 
-double median(std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
+/// The value that a share `q` of the values lie below; reorders them.
+double quantile(std::vector<double>& values, double q) {
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
 }
 
 }  // namespace
@@ -18,20 +20,25 @@ ScenePlace measure_place(const ProcessedFrame& frame) {
     constexpr int kStride = 8;
     ScenePlace place;
     place.world_from_depth = frame.set.world_from_depth;
-    std::array<std::vector<double>, 3> axes;
+    std::vector<double> rays_x, rays_y, depths;
     const DepthSurface& surface = *frame.surface;
     for (int y = kStride / 2; y < surface.depth_m.height(); y += kStride) {
         for (int x = kStride / 2; x < surface.depth_m.width(); x += kStride) {
             const double z = surface.depth_m.at(x, y);
             const RayXy ray = surface.rays->at(x, y);
-            if (!(z > 0) || !(ray.x == ray.x) || !(ray.y == ray.y)) continue;
-            axes[0].push_back(ray.x * z);
-            axes[1].push_back(ray.y * z);
-            axes[2].push_back(z);
+            if (!(z > 0) || !std::isfinite(ray.x) || !std::isfinite(ray.y)) continue;
+            rays_x.push_back(ray.x);
+            rays_y.push_back(ray.y);
+            depths.push_back(z);
         }
     }
     glm::dvec3 center(0, 0, 2);
-    if (!axes[2].empty()) center = {median(axes[0]), median(axes[1]), median(axes[2])};
+    if (!depths.empty()) {
+        const auto middle = [](std::vector<double>& values) {
+            return 0.5 * (quantile(values, 0.02) + quantile(values, 0.98));
+        };
+        center = quantile(depths, 0.5) * glm::dvec3(middle(rays_x), middle(rays_y), 1);
+    }
     place.distance_m = glm::length(center);
     place.center = place.world_from_depth * center;
     return place;

@@ -10,7 +10,7 @@ namespace kino {
 
 /// Where the things in a depth frame are: what cameras turn around and lights are hung about.
 struct ScenePlace {
-    glm::dvec3 center{0};  ///< world; median of the points, axis by axis of the camera
+    glm::dvec3 center{0};  ///< world; at median depth, in the middle of what is seen
     Pose world_from_depth;
     double distance_m = 2;  ///< from the depth camera to the centre
 };

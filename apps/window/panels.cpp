@@ -1,0 +1,270 @@
+#include "apps/window/panels.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+
+#include "apps/viewer/keys.h"
+
+namespace kino {
+namespace {
+
+constexpr float kMargin = 12;
+constexpr float kTimelineHeight = 44;
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+
+constexpr ImU32 kAmber = IM_COL32(255, 186, 92, 255);
+const ImVec4 kAmberText(1.0f, 0.75f, 0.38f, 1);
+
+void text(const std::string& line) {
+    ImGui::TextUnformatted(line.c_str());
+}
+void quiet_text(const std::string& line) {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::TextUnformatted(line.c_str());
+    ImGui::PopStyleColor();
+}
+
+/// Two columns: a quiet name, a value.
+void row(const char* name, const std::string& value) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    quiet_text(name);
+    ImGui::TableNextColumn();
+    text(value);
+}
+
+/// "surface: project vertices, resolve mesh" a line for each room.
+std::string passes_text(const std::vector<std::string>& passes) {
+    std::string out;
+    std::string room;
+    for (const std::string& pass : passes) {
+        const std::size_t slash = pass.find('/');
+        const std::string own_room = pass.substr(0, slash);
+        const std::string name = slash == std::string::npos ? pass : pass.substr(slash + 1);
+        if (own_room != room) {
+            out += fmt::format("{}{}: {}", out.empty() ? "" : "\n", own_room, name);
+            room = own_room;
+        } else {
+            out += ", " + name;
+        }
+    }
+    return out;
+}
+
+std::string clock_text(TimeNs time) {
+    const double s = to_seconds(time);
+    const auto minutes = static_cast<int>(s / 60);
+    return fmt::format("{}:{:05.2f}", minutes, s - 60 * minutes);
+}
+
+const char* mode_text(LoopMode mode) {
+    switch (mode) {
+        case LoopMode::once:
+            return "once";
+        case LoopMode::loop:
+            return "loop";
+        case LoopMode::ping_pong:
+            return "ping-pong";
+    }
+    return "";
+}
+
+}  // namespace
+
+void draw_overlay(const OverlayText& t) {
+    ImGui::SetNextWindowPos({kMargin, kMargin});
+    ImGui::SetNextWindowSizeConstraints({0, 0}, {380, ImGui::GetIO().DisplaySize.y - 90});
+    ImGui::Begin("overlay", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
+    constexpr float kWrap = 350;
+    ImGui::PushTextWrapPos(kWrap);
+    text(t.name);
+    if (!t.note.empty()) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kAmberText);
+        text(t.note);
+        ImGui::PopStyleColor();
+    }
+    ImGui::PopTextWrapPos();
+    ImGui::Spacing();
+    if (ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) {
+        ImGui::PushTextWrapPos(kWrap);
+        for (const std::string& stream : t.streams) {
+            row(stream == t.streams.front() ? "streams" : "", stream);
+        }
+        row("shown", t.mode);
+        row("pictures",
+            fmt::format("{:.0f} a second, {:.1f} ms each", t.pictures_per_s, t.frame_ms));
+        row("frames", fmt::format("{:.1f} a second, {} dropped{}", t.frames_per_s, t.dropped,
+                                  t.errors > 0 ? fmt::format(", {} unreadable", t.errors) : ""));
+        row("points", fmt::format("{}", t.points));
+        std::string groups;
+        for (const graph::GroupTime& group : t.groups) {
+            groups += fmt::format("{}{} {:.1f}", groups.empty() ? "" : ", ", group.group, group.ms);
+        }
+        row("draw, ms", groups);
+        row("frame, ms",
+            fmt::format("read {:.1f}, colour {:.1f}, register {:.1f}", to_ms(t.stages.read),
+                        to_ms(t.stages.color), to_ms(t.stages.registration)));
+        row("device", fmt::format("{:.1f} MB", static_cast<double>(t.device_bytes) / 1e6));
+        row("passes", passes_text(t.passes));
+        ImGui::PopTextWrapPos();
+        ImGui::EndTable();
+    }
+    if (!t.last_error.empty()) {
+        ImGui::PushTextWrapPos(kWrap);
+        ImGui::PushStyleColor(ImGuiCol_Text, kAmberText);
+        text(t.last_error);
+        ImGui::PopStyleColor();
+        ImGui::PopTextWrapPos();
+    }
+    ImGui::End();
+}
+
+void draw_panes(const Panes& panes) {
+    if (panes.depth() == nullptr) return;
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({display.x - kMargin, kMargin}, ImGuiCond_Always, {1, 0});
+    ImGui::Begin("panes", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
+    const auto picture = [](UiPicture& shown) {
+        ImGui::Image(shown.id(),
+                     {static_cast<float>(shown.width()), static_cast<float>(shown.height())});
+    };
+    quiet_text("depth");
+    picture(*panes.depth());
+    picture(*panes.legend());
+    const std::string near_text = fmt::format("{:.2f} m", panes.range().near_m);
+    const std::string far_text = fmt::format("{:.2f} m", panes.range().far_m);
+    text(near_text);
+    ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + Panes::kWidth -
+                    ImGui::CalcTextSize(far_text.c_str()).x);
+    text(far_text);
+    if (panes.color() != nullptr) {
+        quiet_text("colour");
+        picture(*panes.color());
+    }
+    if (panes.infrared() != nullptr) {
+        quiet_text("infrared");
+        picture(*panes.infrared());
+    }
+    ImGui::End();
+}
+
+TimelineRequest draw_timeline(const LiveStatus& status, TimeNs now, TimeNs length) {
+    TimelineRequest request;
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({kMargin, display.y - kMargin - kTimelineHeight});
+    ImGui::SetNextWindowSize({display.x - 2 * kMargin, kTimelineHeight});
+    ImGui::Begin("time line", nullptr, kFixed);
+    if (ImGui::Button(status.paused ? "play" : "pause", {64, 0})) request.toggle_pause = true;
+    ImGui::SameLine();
+    const std::string words =
+        fmt::format("frame {} of {}    {} / {}    {:.2g}x    {}    F1: keys", status.position + 1,
+                    std::max<std::int64_t>(1, status.frame_count), clock_text(now),
+                    clock_text(length), status.speed, mode_text(status.mode));
+    const float words_width = ImGui::CalcTextSize(words.c_str()).x;
+    const float slider_width = ImGui::GetContentRegionAvail().x - words_width - 16;
+    int index = static_cast<int>(status.position);
+    const int last = static_cast<int>(std::max<std::int64_t>(0, status.frame_count - 1));
+    ImGui::SetNextItemWidth(std::max(40.0f, slider_width));
+    if (last > 0) {
+        if (ImGui::SliderInt("##time", &index, 0, last, "",
+                             ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
+            request.seek = index;
+        }
+    } else {
+        quiet_text(status.frame_count == 1 ? "one frame" : "live");
+        ImGui::SameLine(ImGui::GetWindowWidth() - words_width - ImGui::GetStyle().WindowPadding.x);
+    }
+    ImGui::SameLine();
+    ImGui::AlignTextToFramePadding();
+    text(words);
+    ImGui::End();
+    return request;
+}
+
+bool draw_help() {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+    ImGui::SetNextWindowBgAlpha(0.94f);
+    ImGui::Begin("keys", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
+    ImGui::SetWindowFocus();
+    text("Keys");
+    ImGui::Spacing();
+    struct Line {
+        const char* shown;
+        const char* help;
+    };
+    std::vector<Line> lines;
+    for (const KeyEntry& entry : key_table()) lines.push_back({entry.shown, entry.help});
+    for (const HelpLine& line : mouse_table()) lines.push_back({line.shown, line.help});
+    const std::size_t half = (lines.size() + 1) / 2;
+    if (ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
+        for (std::size_t i = 0; i < half; ++i) {
+            ImGui::TableNextRow();
+            for (const std::size_t at : {i, i + half}) {
+                if (at >= lines.size()) break;
+                ImGui::TableNextColumn();
+                ImGui::TextColored(kAmberText, "%s", lines[at].shown);
+                ImGui::TableNextColumn();
+                text(fmt::format("{}      ", lines[at].help));
+            }
+        }
+        ImGui::EndTable();
+    }
+    const bool elsewhere = ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered();
+    ImGui::End();
+    return !elsewhere;
+}
+
+void draw_cursor_depth(const glm::dvec2& cursor_px, float depth_m) {
+    const std::string label = fmt::format("{:.2f} m", depth_m);
+    const ImVec2 size = ImGui::CalcTextSize(label.c_str());
+    const ImVec2 at(static_cast<float>(cursor_px.x) + 16, static_cast<float>(cursor_px.y) + 12);
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.AddRectFilled({at.x - 5, at.y - 3}, {at.x + size.x + 5, at.y + size.y + 3},
+                       IM_COL32(10, 12, 16, 200), 4);
+    list.AddText(at, IM_COL32(240, 240, 245, 255), label.c_str());
+}
+
+void draw_measure(const Measure& measure, const View& view, bool active) {
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    std::vector<ImVec2> seen;
+    for (const glm::dvec3& point : measure.points()) {
+        const auto pixel = project_to_pixel(view, point);
+        if (!pixel) continue;
+        seen.emplace_back(static_cast<float>(pixel->x) + 0.5f, static_cast<float>(pixel->y) + 0.5f);
+        list.AddCircleFilled(seen.back(), 5, kAmber);
+        list.AddCircle(seen.back(), 6, IM_COL32(10, 12, 16, 255), 0, 2);
+    }
+    const auto distance = measure.distance_m();
+    if (seen.size() == 2 && distance) {
+        list.AddLine(seen[0], seen[1], IM_COL32(10, 12, 16, 200), 4);
+        list.AddLine(seen[0], seen[1], kAmber, 2);
+        const std::string label = fmt::format("{:.3f} m", *distance);
+        const ImVec2 size = ImGui::CalcTextSize(label.c_str());
+        const ImVec2 at((seen[0].x + seen[1].x - size.x) / 2, (seen[0].y + seen[1].y) / 2 + 8);
+        list.AddRectFilled({at.x - 5, at.y - 3}, {at.x + size.x + 5, at.y + size.y + 3},
+                           IM_COL32(10, 12, 16, 220), 4);
+        list.AddText(at, kAmber, label.c_str());
+    }
+    if (active && measure.points().size() < 2) {
+        draw_message(measure.points().empty() ? "measure: click the first point"
+                                              : "measure: click the second point");
+    }
+}
+
+void draw_message(const std::string& words) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const ImVec2 size = ImGui::CalcTextSize(words.c_str());
+    const ImVec2 at((display.x - size.x) / 2, display.y - kTimelineHeight - 3 * kMargin - size.y);
+    ImDrawList& list = *ImGui::GetForegroundDrawList();
+    list.AddRectFilled({at.x - 12, at.y - 6}, {at.x + size.x + 12, at.y + size.y + 6},
+                       IM_COL32(15, 17, 22, 225), 6);
+    list.AddText(at, IM_COL32(240, 240, 245, 255), words.c_str());
+}
+
+}  // namespace kino

@@ -1,0 +1,388 @@
+#include "apps/window/viewer.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "apps/interrupt.h"
+#include "apps/viewer/ply.h"
+#include "sensor/png_io.h"
+
+namespace kino {
+namespace {
+
+constexpr TimeNs kPictureTime = kNsPerSecond / 60;
+constexpr TimeNs kIdleTime = kNsPerSecond / 10;
+constexpr TimeNs kMessageTime = 4 * kNsPerSecond;
+/// With several recordings, each is shown at least this long before the next.
+constexpr TimeNs kLeastShown = 10 * kNsPerSecond;
+
+/// Means over the last second or so.
+void smooth_rate(double& rate, TimeNs since_last) {
+    if (since_last <= 0) return;
+    const double now = 1 / to_seconds(since_last);
+    const double part = rate == 0 ? 1 : std::min(1.0, 2 * to_seconds(since_last));
+    rate += part * (now - rate);
+}
+
+/// "kinoscope-NNN.png" that is not there yet.
+std::filesystem::path fresh_file(const char* extension) {
+    for (int i = 1;; ++i) {
+        std::filesystem::path path = fmt::format("kinoscope-{:03}.{}", i, extension);
+        std::error_code error;
+        if (!std::filesystem::exists(path, error) || i >= 999) return path;
+    }
+}
+
+std::string stream_text(const StreamInfo& stream) {
+    std::string text = stream_name(stream.id.kind);
+    if (stream.width > 0) text += fmt::format(" {}x{}", stream.width, stream.height);
+    if (stream.nominal_hz > 0) text += fmt::format(" at {:.0f} Hz", stream.nominal_hz);
+    return text;
+}
+
+}  // namespace
+
+Viewer::Viewer(const ReplayOptions& options, const Settings& settings, Window& window,
+               gpu::Device& device, UiContext& context, UiRenderer& ui)
+    : options_(options),
+      uris_(options.uris),
+      window_(window),
+      context_(context),
+      ui_(ui),
+      renderer_(device),
+      panes_(ui),
+      settings_(settings) {
+    draw_options_ = {
+        .style = settings.style, .splat_px = settings.splat_px, .color = options.color};
+    camera_.kind = settings.view;
+}
+
+Settings Viewer::settings() const {
+    Settings settings = settings_;
+    settings.style = draw_options_.style;
+    settings.splat_px = draw_options_.splat_px;
+    settings.view = camera_.kind;
+    if (view_.width > 0) {
+        settings.width = view_.width;
+        settings.height = view_.height;
+    }
+    return settings;
+}
+
+void Viewer::say(std::string text) {
+    message_ = std::move(text);
+    message_until_ = now_ns() + kMessageTime;
+}
+
+Result<void> Viewer::open(std::size_t index) {
+    KINO_ASSIGN(auto playing, Playing::open(uris_[index], {.loop = options_.loop,
+                                                           .speed = options_.speed,
+                                                           .stepped = options_.stepped}));
+    playing_ = std::move(playing);
+    current_ = index;
+    frame_.reset();
+    builder_.reset();
+    panes_.reset();
+    measure_.clear();
+    camera_placed_ = false;
+    opened_at_ = now_ns();
+    frames_per_s_ = 0;
+    renderer_.cut();
+    window_.set_title(fmt::format("{} - Kinoscope", playing_->info().name));
+    return {};
+}
+
+void Viewer::open_next_when_over() {
+    if (uris_.size() < 2) return;
+    const LiveStatus status = playing_->runner().status();
+    const TimeNs shown = now_ns() - opened_at_;
+    const auto round = static_cast<TimeNs>(static_cast<double>(playing_->round()) / status.speed);
+    if (status.paused || shown < std::max(kLeastShown, round)) return;
+    act(Action::next_source);
+}
+
+void Viewer::show_frame(const ProcessedFrame& frame) {
+    builder_.show(frame);
+    if (!std::exchange(camera_placed_, true)) {
+        camera_.reset(*builder_.place());
+    } else if (frame.set.pose_origin == PoseOrigin::trajectory) {
+        camera_.orbit.follow(measure_place(frame).center, to_seconds(now_ns() - last_frame_));
+    }
+    if (settings_.show_panes) {
+        if (const auto shown = panes_.show(frame); !shown) say(shown.error().to_string());
+    }
+    const TimeNs now = now_ns();
+    if (last_frame_ != 0) smooth_rate(frames_per_s_, now - last_frame_);
+    last_frame_ = now;
+    frame_ = frame;
+}
+
+void Viewer::act(Action action) {
+    switch (action) {
+        case Action::measure:
+            measuring_ = !measuring_;
+            if (measuring_) camera_.orbit.hold_still();
+            measure_.clear();
+            break;
+        case Action::screenshot:
+            screenshot_wanted_ = true;
+            break;
+        case Action::export_ply:
+            export_points();
+            break;
+        case Action::toggle_overlay:
+            settings_.show_overlay = !settings_.show_overlay;
+            break;
+        case Action::toggle_panes:
+            settings_.show_panes = !settings_.show_panes;
+            if (settings_.show_panes && frame_) (void)panes_.show(*frame_);
+            break;
+        case Action::toggle_help:
+            help_ = !help_;
+            break;
+        case Action::quit:
+            window_.close();
+            break;
+        case Action::next_source:
+            if (const auto opened = open((current_ + 1) % uris_.size()); !opened) {
+                say(opened.error().to_string());
+                opened_at_ = now_ns();
+            }
+            break;
+        default:
+            act_on_playing(action);
+            act_on_look(action);
+    }
+}
+
+void Viewer::act_on_playing(Action action) {
+    LiveRunner& runner = playing_->runner();
+    const LiveStatus status = runner.status();
+    switch (action) {
+        case Action::pause:
+            status.paused || status.finished ? runner.resume() : runner.pause();
+            break;
+        case Action::step_forward:
+            runner.step(1);
+            break;
+        case Action::step_back:
+            runner.step(-1);
+            break;
+        case Action::faster:
+            runner.set_speed(status.speed * std::sqrt(2.0));
+            break;
+        case Action::slower:
+            runner.set_speed(status.speed / std::sqrt(2.0));
+            break;
+        case Action::normal_speed:
+            runner.set_speed(1);
+            break;
+        case Action::to_start:
+            runner.seek(0);
+            break;
+        case Action::next_loop_mode:
+            runner.set_mode(status.mode == LoopMode::loop        ? LoopMode::ping_pong
+                            : status.mode == LoopMode::ping_pong ? LoopMode::once
+                                                                 : LoopMode::loop);
+            break;
+        default:
+            break;
+    }
+}
+
+void Viewer::act_on_look(Action action) {
+    const ColorMode color = builder_.color_mode(draw_options_);
+    switch (action) {
+        case Action::toggle_style:
+            draw_options_.style =
+                draw_options_.style == DepthStyle::mesh ? DepthStyle::cloud : DepthStyle::mesh;
+            break;
+        case Action::larger_splats:
+            draw_options_.splat_px = std::min(32, draw_options_.splat_px + 1);
+            break;
+        case Action::smaller_splats:
+            draw_options_.splat_px = std::max(1, draw_options_.splat_px - 1);
+            break;
+        case Action::next_color_mode:
+            draw_options_.color = color == ColorMode::captured ? ColorMode::mixed
+                                  : color == ColorMode::mixed  ? ColorMode::relit
+                                                               : ColorMode::captured;
+            break;
+        case Action::sensor_view:
+            camera_.choose(ViewKind::sensor, view_.world_from_view);
+            break;
+        case Action::orbit_view:
+            camera_.choose(ViewKind::orbit, view_.world_from_view);
+            break;
+        case Action::fly_view:
+            camera_.choose(ViewKind::fly, view_.world_from_view);
+            break;
+        case Action::reset_camera:
+            if (frame_) camera_.reset(measure_place(*frame_));
+            break;
+        default:
+            break;
+    }
+}
+
+void Viewer::act_on_input(const WindowInput& input, double dt_s) {
+    for (const KeyPress& key : input.keys) {
+        if (context_.wants_keyboard() || key.control) continue;
+        // In flight these letters move the camera.
+        const bool flies =
+            camera_.kind == ViewKind::fly &&
+            std::string("WASDQE").find(static_cast<char>(key.key)) != std::string::npos &&
+            key.key < 128;
+        if (flies) continue;
+        if (const auto action = action_of(key.key, key.repeat)) act(*action);
+    }
+    for (const std::filesystem::path& path : input.dropped) {
+        std::error_code error;
+        // A file of a recording stands for its folder.
+        const bool folder = std::filesystem::is_directory(path, error);
+        uris_.push_back(folder ? path.string() : path.parent_path().string());
+        if (const auto opened = open(uris_.size() - 1); !opened) {
+            uris_.pop_back();
+            say(opened.error().to_string());
+        }
+    }
+    steering_.steer(window_, input, context_.wants_mouse(), dt_s, camera_);
+    if (steering_.take_click()) click();
+}
+
+void Viewer::click() {
+    if (!measuring_ || !last_.depth_at_m || !probed_) return;
+    measure_.add(point_at(view_, glm::dvec2(*probed_), *last_.depth_at_m));
+}
+
+void Viewer::take_screenshot() {
+    FrameOptions options;
+    options.raster = options_.raster;
+    options.read_picture = true;
+    auto drawn = renderer_.render_to_image(builder_.scene(draw_options_), view_, options);
+    if (!drawn) return say(drawn.error().to_string());
+    const std::filesystem::path path = fresh_file("png");
+    const auto written = write_png_rgba8(path, std::as_const(drawn->picture).view());
+    say(written ? "picture written: " + path.string() : written.error().to_string());
+}
+
+void Viewer::export_points() {
+    if (!frame_) return;
+    const std::filesystem::path path = fresh_file("ply");
+    const auto written = write_ply(path, *frame_->surface, frame_->set.world_from_depth);
+    say(written ? fmt::format("{} points written: {}", *written, path.string())
+                : written.error().to_string());
+}
+
+OverlayText Viewer::overlay_text() {
+    const LiveStatus status = playing_->runner().status();
+    OverlayText text;
+    text.name = playing_->info().name;
+    text.note = playing_->info().note;
+    for (const StreamInfo& stream : playing_->info().streams) {
+        text.streams.push_back(stream_text(stream));
+    }
+    text.pictures_per_s = pictures_per_s_;
+    text.frames_per_s = frames_per_s_;
+    text.frame_ms = last_.ms;
+    text.groups = renderer_.group_times();
+    if (frame_) {
+        text.stages = frame_->times;
+        text.points = frame_->valid_points;
+    }
+    text.passes = last_.report.passes;
+    text.device_bytes = renderer_.device().memory().current;
+    text.dropped = status.dropped;
+    text.errors = status.errors;
+    text.last_error = status.last_error;
+    text.mode =
+        fmt::format("{}, {} view, {} colour", style_name(draw_options_.style),
+                    view_name(camera_.kind), color_name(builder_.color_mode(draw_options_)));
+    return text;
+}
+
+void Viewer::draw_panels(const WindowInput& input) {
+    if (settings_.show_overlay && !help_) draw_overlay(overlay_text());
+    if (settings_.show_panes) draw_panes(panes_);
+    LiveRunner& runner = playing_->runner();
+    const LiveStatus status = runner.status();
+    const TimelineRequest request =
+        draw_timeline(status, playing_->time_of(status.position),
+                      status.frame_count > 0 ? playing_->time_of(status.frame_count - 1) : 0);
+    if (request.seek) runner.seek(*request.seek);
+    if (request.toggle_pause) act_on_playing(Action::pause);
+    draw_measure(measure_, view_, measuring_);
+    if (last_.depth_at_m && probed_) draw_cursor_depth(input.cursor_px, *last_.depth_at_m);
+    if (!message_.empty() && now_ns() < message_until_) draw_message(message_);
+    if (help_) help_ = draw_help();
+}
+
+Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
+    KINO_ASSIGN(const std::optional<PictureTarget> target, window_.begin_picture());
+    if (!target) return {};
+    const Pose world_from_depth = frame_ ? frame_->set.world_from_depth : world_from_camera_axes();
+    camera_.orbit.set_time(to_seconds(now - started_));
+    view_ = camera_.view(playing_->rig().depth, world_from_depth,
+                         static_cast<int>(target->extent.width),
+                         static_cast<int>(target->extent.height));
+    if (std::exchange(screenshot_wanted_, false)) take_screenshot();
+    context_.begin_frame();
+    draw_panels(input);
+    ImDrawData& lists = context_.end_frame();
+
+    FrameOptions options;
+    options.raster = options_.raster;
+    options.timing = settings_.show_overlay ? graph::Timing::one_group : graph::Timing::frame;
+    probed_.reset();
+    const glm::ivec2 cursor(input.cursor_px);
+    if (!context_.wants_mouse() && cursor.x >= 0 && cursor.y >= 0 && cursor.x < view_.width &&
+        cursor.y < view_.height) {
+        probed_ = options.probe_px = cursor;
+    }
+    options.overlay = [&](graph::FrameGraph& graph, graph::TextureId picture) {
+        auto drawn = ui_.add(graph, picture, lists);
+        if (drawn) return *drawn;
+        ui_error_ = drawn.error();
+        return picture;
+    };
+    KINO_ASSIGN(last_, renderer_.render(builder_.scene(draw_options_), view_, *target, options));
+    if (ui_error_) return fail(*std::exchange(ui_error_, std::nullopt));
+    KINO_TRY(window_.present());
+    ++pictures_;
+    playing_->picture_shown();
+    if (last_picture_ != 0) smooth_rate(pictures_per_s_, now_ns() - last_picture_);
+    last_picture_ = now_ns();
+    return {};
+}
+
+Result<void> Viewer::run(const std::string& note) {
+    started_ = now_ns();
+    if (!note.empty()) say(note);
+    KINO_TRY(open(0));
+    TimeNs next_picture = started_;
+    TimeNs last_loop = started_;
+    while (!window_.should_close() && !interrupted() &&
+           (!options_.frames || pictures_ < *options_.frames)) {
+        const WindowInput input = window_.poll(std::max<TimeNs>(0, next_picture - now_ns()));
+        const TimeNs now = now_ns();
+        act_on_input(input, std::min(0.1, to_seconds(now - last_loop)));
+        last_loop = now;
+        std::optional<ProcessedFrame> fresh = playing_->take();
+        if (fresh) show_frame(*fresh);
+        if (now >= next_picture || fresh) {
+            KINO_TRY(draw(input, now));
+            const bool idle = window_.minimised();
+            next_picture = now + (idle ? kIdleTime : kPictureTime);
+        }
+        open_next_when_over();
+    }
+    return {};
+}
+
+}  // namespace kino

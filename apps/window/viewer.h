@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/replay_options.h"
+#include "apps/viewer/keys.h"
+#include "apps/viewer/measure.h"
+#include "apps/viewer/scene_builder.h"
+#include "apps/viewer/settings.h"
+#include "apps/window/panels.h"
+#include "apps/window/playing.h"
+#include "apps/window/steering.h"
+#include "viz/output/ui/ui_context.h"
+#include "viz/output/window.h"
+
+namespace kino {
+
+/// The window's loop: takes the newest frame, steers the camera, draws the picture and the user
+/// interface over it.
+class Viewer {
+  public:
+    Viewer(const ReplayOptions& options, const Settings& settings, Window& window,
+           gpu::Device& device, UiContext& context, UiRenderer& ui);
+
+    /// Until the window closes or options.frames pictures were shown. `note`: shown at first.
+    [[nodiscard]] Result<void> run(const std::string& note);
+    /// As the user left them.
+    [[nodiscard]] Settings settings() const;
+
+  private:
+    Result<void> open(std::size_t index);
+    void open_next_when_over();
+    void show_frame(const ProcessedFrame& frame);
+    void act(Action action);
+    void act_on_playing(Action action);
+    void act_on_look(Action action);
+    void act_on_input(const WindowInput& input, double dt_s);
+    Result<void> draw(const WindowInput& input, TimeNs now);
+    void draw_panels(const WindowInput& input);
+    [[nodiscard]] OverlayText overlay_text();
+    void click();
+    void take_screenshot();
+    void export_points();
+    void say(std::string text);
+
+    ReplayOptions options_;
+    std::vector<std::string> uris_;
+    Window& window_;
+    UiContext& context_;
+    UiRenderer& ui_;
+    Renderer renderer_;
+    Panes panes_;
+    Settings settings_;
+    DrawOptions draw_options_;
+    CameraControl camera_;
+    bool camera_placed_ = false;
+    Steering steering_;
+    SceneBuilder builder_;
+
+    std::size_t current_ = 0;
+    std::unique_ptr<Playing> playing_;
+    std::optional<ProcessedFrame> frame_;
+    TimeNs opened_at_ = 0;
+
+    View view_;
+    FrameResult last_;
+    TimeNs started_ = 0;
+    std::int64_t pictures_ = 0;
+    double pictures_per_s_ = 0;
+    double frames_per_s_ = 0;
+    TimeNs last_picture_ = 0;
+    TimeNs last_frame_ = 0;
+
+    bool help_ = false;
+    bool measuring_ = false;
+    Measure measure_;
+    std::optional<glm::ivec2> probed_;
+    bool screenshot_wanted_ = false;
+    std::string message_;
+    TimeNs message_until_ = 0;
+    std::optional<Error> ui_error_;
+};
+
+}  // namespace kino

@@ -1,0 +1,85 @@
+#include "apps/window/window_replay.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <string>
+
+#include "apps/exit_codes.h"
+#include "apps/viewer/settings.h"
+#include "apps/window/viewer.h"
+#include "viz/output/ui/ui_context.h"
+#include "viz/output/ui/ui_renderer.h"
+#include "viz/output/window.h"
+
+namespace kino {
+namespace {
+
+void complain(const Error& error) {
+    fmt::print(stderr, "kinoscope: {}\n", error.to_string());
+}
+
+/// What was asked for now goes before what is remembered.
+Settings wanted_settings(const Settings& remembered, const ReplayOptions& options) {
+    Settings settings = remembered;
+    settings.style = options.style.value_or(settings.style);
+    settings.splat_px = options.splat_px.value_or(settings.splat_px);
+    settings.view = options.view.value_or(settings.view);
+    settings.width = options.width.value_or(settings.width);
+    settings.height = options.height.value_or(settings.height);
+    return settings;
+}
+
+int play(const ReplayOptions& options, const LoadedSettings& loaded, const Settings& wanted,
+         Window& window, gpu::Device& device) {
+    if (const auto attached = window.attach(device); !attached) {
+        complain(attached.error());
+        return kExitNoVulkan;
+    }
+    int code = kExitDone;
+    {
+        UiContext context(window.handle());
+        auto ui = UiRenderer::create(device);
+        if (!ui) {
+            complain(ui.error());
+            window.detach();
+            return kExitFailed;
+        }
+        Viewer viewer(options, wanted, window, device, context, **ui);
+        if (const auto ran = viewer.run(loaded.note); !ran) {
+            complain(ran.error());
+            code = kExitFailed;
+        }
+        if (const auto saved = save_settings(settings_path(), viewer.settings()); !saved) {
+            complain(saved.error());
+        }
+    }
+    window.detach();
+    return code;
+}
+
+}  // namespace
+
+std::optional<int> replay_in_window(const ReplayOptions& options) {
+    const LoadedSettings loaded = load_settings(settings_path());
+    if (!loaded.note.empty()) fmt::print(stderr, "kinoscope: {}\n", loaded.note);
+    const Settings wanted = wanted_settings(loaded.settings, options);
+    auto window = Window::open({.width = wanted.width, .height = wanted.height});
+    if (!window) {
+        complain(window.error());
+        return std::nullopt;
+    }
+    auto device = gpu::Device::create({.device = options.device,
+                                       .validation = wants_validation(),
+                                       .instance_extensions = (*window)->instance_extensions(),
+                                       .presents = true});
+    if (!device) {
+        complain(device.error());
+        return kExitNoVulkan;
+    }
+    // The window's surface belongs to the device's instance, so the window is left first.
+    const int code = play(options, loaded, wanted, **window, **device);
+    return code;
+}
+
+}  // namespace kino
