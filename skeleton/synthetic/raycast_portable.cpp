@@ -1,11 +1,12 @@
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
 #include "skeleton/synthetic/raycast_kernel.h"
-
-// Eight-lane values never cross a real call: everything that takes one is forced inline.
-#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace kino::raycast {
 namespace {

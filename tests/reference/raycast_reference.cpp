@@ -70,18 +70,17 @@ double enter_round_cone(const Primitive& cone, const dvec3& origin, const dvec3&
     const double d0 = ball.discriminant(0), d1 = ball.discriminant(1);
     const double dm = ball.discriminant(0.5);
     const double a = 2 * (d0 + d1 - 2 * dm), b = d1 - d0 - a;
-    std::vector<double> cuts = {0};
+    double first = 0, second = 0;
     const double under = b * b - 4 * a * d0;
     if (under > 0) {
         const double q = -0.5 * (b + std::copysign(std::sqrt(under), b));
-        for (const double root : {a != 0 ? q / a : -1.0, q != 0 ? d0 / q : -1.0}) {
-            if (root > 0 && root < 1) cuts.push_back(root);
-        }
+        first = std::clamp(a != 0 ? q / a : 0.0, 0.0, 1.0);
+        second = std::clamp(q != 0 ? d0 / q : 0.0, 0.0, 1.0);
     }
-    cuts.push_back(1);
-    std::sort(cuts.begin(), cuts.end());
+    const std::array<double, 4> cuts = {0, std::min(first, second), std::max(first, second), 1};
     double best = kNever;
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+        if (cuts[i] == cuts[i + 1]) continue;
         if (ball.discriminant((cuts[i] + cuts[i + 1]) / 2) < 0) continue;
         best = std::min(best, golden_minimum(ball, cuts[i], cuts[i + 1]));
     }

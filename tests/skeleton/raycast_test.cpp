@@ -280,6 +280,58 @@ TEST(Kernels, TheTwinsGiveTheSameBits) {
     EXPECT_GT(std::count(a.lit.begin(), a.lit.end(), 0), 100);
 }
 
+TEST(Kernels, TheTwinsMeasureAndDarkenTheSameBits) {
+    const raycast::Kernels* wide = raycast::avx2_kernels();
+    if (!wide || &raycast::kernels() != wide) GTEST_SKIP() << "no AVX2 here";
+    const raycast::Kernels& plain = raycast::portable_kernels();
+    constexpr int kWidth = 64, kPitch = kWidth + 16;
+    test::Random random(8);
+    std::vector<float> z(5 * kPitch), quantiles(4096), raw_a(5 * kPitch), raw_b(5 * kPitch);
+    for (float& value : z) value = static_cast<float>(random.real(0.3, 9));
+    for (float& value : quantiles) value = static_cast<float>(random.real(-3, 3));
+    z[3] = 0;
+    z[4] = INFINITY;
+    const raycast::Quantiser quantiser{.offset = 1086.2f,
+                                       .factor = 345.5f,
+                                       .raw_min = 300,
+                                       .raw_max = 1040,
+                                       .sigma = 0.46f,
+                                       .normal_quantiles = quantiles.data(),
+                                       .jump = 6,
+                                       .drop_next = 400000,
+                                       .drop_second = 150000,
+                                       .seed = 77};
+    plain.disparity(quantiser, z.data(), 5 * kPitch, raw_a.data());
+    wide->disparity(quantiser, z.data(), 5 * kPitch, raw_b.data());
+    EXPECT_EQ(raw_a, raw_b);
+    std::vector<std::int32_t> lit(kWidth), id(kWidth);
+    for (std::int32_t& value : lit) value = random.chance(0.8) ? -1 : 0;
+    const float* rows[5];
+    for (std::size_t i = 0; i < 5; ++i) rows[i] = raw_a.data() + i * kPitch + 8;
+    std::vector<std::uint16_t> out_a(kWidth), out_b(kWidth);
+    plain.measure(quantiser, rows, lit.data(), 1234, kWidth, out_a.data());
+    wide->measure(quantiser, rows, lit.data(), 1234, kWidth, out_b.data());
+    EXPECT_EQ(out_a, out_b);
+    const auto lost = std::count(out_a.begin(), out_a.end(), 2047);
+    EXPECT_GT(lost, 5);
+    EXPECT_LT(lost, kWidth - 5);
+
+    std::vector<std::uint32_t> rgba_a(kWidth), rgba_b;
+    for (std::uint32_t& value : rgba_a) value = static_cast<std::uint32_t>(random.bits());
+    rgba_b = rgba_a;
+    raycast::FloorSpots spots;
+    spots.count = 2;
+    spots.x[1] = 3;
+    spots.inverse_radius2[0] = spots.inverse_radius2[1] = 0.02f;
+    spots.strength[0] = spots.strength[1] = 0.4f;
+    raycast::Target target;
+    target.id = id.data();
+    target.pitch = kWidth;
+    plain.darken(spots, {0, 0, kWidth, 1}, target, z.data(), z.data() + 64, 5, rgba_a.data());
+    wide->darken(spots, {0, 0, kWidth, 1}, target, z.data(), z.data() + 64, 5, rgba_b.data());
+    EXPECT_EQ(rgba_a, rgba_b);
+}
+
 TEST(View, BoundsHoldEveryPixelThatHits) {
     test::Random random(3);
     SyntheticScene scene = bare_scene();
