@@ -103,14 +103,15 @@ void draw_overlay(const OverlayText& t) {
         row("points", fmt::format("{}", t.points));
         std::string groups;
         for (const graph::GroupTime& group : t.groups) {
-            groups += fmt::format("{}{} {:.1f}", groups.empty() ? "" : ", ", group.group, group.ms);
+            groups +=
+                fmt::format("{}{}\u00a0{:.1f}", groups.empty() ? "" : ", ", group.group, group.ms);
         }
         row("draw, ms", groups);
         row("frame, ms",
             fmt::format("read {:.1f}, colour {:.1f}, register {:.1f}", to_ms(t.stages.read),
                         to_ms(t.stages.color), to_ms(t.stages.registration)));
         row("device", fmt::format("{:.1f} MB", static_cast<double>(t.device_bytes) / 1e6));
-        row("passes", passes_text(t.passes));
+        if (ImGui::GetIO().DisplaySize.y >= 560) row("passes", passes_text(t.passes));
         ImGui::PopTextWrapPos();
         ImGui::EndTable();
     }

@@ -309,7 +309,8 @@ OverlayText Viewer::overlay_text() {
 
 void Viewer::draw_panels(const WindowInput& input) {
     if (settings_.show_overlay && !help_) draw_overlay(overlay_text());
-    if (settings_.show_panes) draw_panes(panes_);
+    // In a small window the picture matters more.
+    if (settings_.show_panes && !help_ && view_.width >= 760) draw_panes(panes_);
     LiveRunner& runner = playing_->runner();
     const LiveStatus status = runner.status();
     const TimelineRequest request =
