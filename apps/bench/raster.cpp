@@ -229,6 +229,43 @@ class RasterBench {
         }
     }
 
+    /// Light once a depth pixel against once a picture pixel.
+    void light_rates(LiveDepth live, const View& view) {
+        live.style = DepthStyle::mesh;
+        Scene scene;
+        scene.live = live;
+        scene.color_mode = ColorMode::relit;
+        scene.lights = {{.kind = LightKind::directional, .direction = {0.3, -0.7, -0.6}},
+                        {.kind = LightKind::point, .position = {0.5, 0.5, -1.5}}};
+        std::vector<bench::Candidate> candidates;
+        std::vector<Image<Rgba8>> pictures;
+        for (const auto& [name, rate] : {std::pair{"picture pixel", LightRate::picture_pixel},
+                                         std::pair{"depth pixel", LightRate::depth_pixel}}) {
+            candidates.push_back({name, [this, &scene, &view, r = rate] {
+                                      if (!render_in_place(scene, view, {.light_rate = r})) return;
+                                  }});
+            auto frame = renderer_.render_to_image(scene, view, {.light_rate = rate});
+            if (!frame) return context_.fail(frame.error());
+            pictures.push_back(std::move(frame->picture));
+        }
+        const Comparison comparison = context_.compare("light rates", candidates);
+        for (std::size_t i = 0; i < pictures.size(); ++i) {
+            double sum = 0;
+            for (std::size_t p = 0; p < pictures[i].size(); ++p) {
+                const Rgba8 a = pictures[i].pixels()[p];
+                const Rgba8 b = pictures[0].pixels()[p];
+                sum += std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b);
+            }
+            context_.add({.case_name = "orbit mesh, two lights",
+                          .knob = "light rate",
+                          .level = candidates[i].name,
+                          .error = sum / 3 / static_cast<double>(pictures[i].size()),
+                          .metric = "mean difference of 255",
+                          .baseline = candidates[0].name},
+                         comparison);
+        }
+    }
+
     /// New points uploaded, drawn, lit where asked, composed: what a viewer spends a frame on.
     void whole_frames(const LiveDepth& live, const View& view) {
         struct Kind {
@@ -269,7 +306,8 @@ class RasterBench {
     }
 
   private:
-    Result<FrameResult> render_in_place(const Scene& scene, const View& view) {
+    Result<FrameResult> render_in_place(const Scene& scene, const View& view,
+                                        const FrameOptions& options = {}) {
         const VkExtent2D extent{static_cast<std::uint32_t>(view.width),
                                 static_cast<std::uint32_t>(view.height)};
         if (target_.empty()) {
@@ -285,7 +323,7 @@ class RasterBench {
                                  .view = target_.view(),
                                  .extent = extent,
                                  .format = target_.format()},
-                                {});
+                                options);
     }
     static tl::unexpected<Error> bench_error(const Error& error) {
         return tl::unexpected<Error>(error);
@@ -319,6 +357,7 @@ void bench_raster(BenchContext& context) {
     bench.resolutions(*recorded, views[1].view);
     live.style = DepthStyle::cloud;
     bench.splat_caps(live, views[2].view);
+    bench.light_rates(live, views[1].view);
     bench.whole_frames(live, views[1].view);
     context.note(
         "307,200 points (the office with its holes filled), 1280x720, time from submit to fence. "

@@ -110,7 +110,9 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     TextureId picture =
         graph.import_texture("picture", target.image, target.view, {width, height, target.format});
     const auto skeleton = skeleton_wanted(scene, view);
-    const bool lit = live && wants_light(scene);
+    const bool wanted = live && wants_light(scene);
+    const bool lit = wanted && options.light_rate == LightRate::picture_pixel;
+    const bool lit_points = wanted && options.light_rate == LightRate::depth_pixel;
     const bool probing = live && options.probe_px.has_value() && options.probe_px->x >= 0 &&
                          options.probe_px->y >= 0 && options.probe_px->x < view.width &&
                          options.probe_px->y < view.height;
@@ -131,7 +133,11 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
         }
         surface =
             rasterizer_.add(graph, *scene.live, view, options.raster, surface,
-                            pack_srgb(scene.background_top), pack_srgb(scene.background_bottom));
+                            pack_srgb(scene.background_top), pack_srgb(scene.background_bottom),
+                            lit_points ? Recolor([&](FrameGraph& g, const auto& inputs) {
+                                return add_point_light_pass(g, scene, view, inputs);
+                            })
+                                       : Recolor());
         if (lit) {
             const TextureId linear = add_light_pass(graph, scene, view, surface);
             picture = add_final_pass(graph, scene, linear, picture);

@@ -24,7 +24,14 @@ struct PictureTarget {
     VkFormat format = VK_FORMAT_R8G8B8A8_UNORM;
 };
 
+/// How often virtual light is worked out.
+enum class LightRate : std::uint8_t {
+    depth_pixel,   ///< once a depth pixel, before drawing: fast
+    picture_pixel  ///< once a picture pixel: the reference
+};
+
 struct FrameOptions {
+    LightRate light_rate = LightRate::depth_pixel;
     RasterPath raster = RasterPath::compute;
     graph::Timing timing = graph::Timing::frame;
     /// Also copies the view depth under this pixel back (FrameStats::depth_at_m).

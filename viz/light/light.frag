@@ -4,6 +4,7 @@
 #include "viz/light/light_shared.h"
 #include "viz/surface/octahedral.glsl"
 #include "viz/light/color.glsl"
+#include "viz/light/shade.glsl"
 layout(push_constant, scalar) uniform Push { LightParams p; };
 layout(set = 0, binding = 0) uniform sampler2D albedo;
 layout(set = 0, binding = 1) uniform sampler2D view_z;
@@ -11,8 +12,7 @@ layout(set = 0, binding = 2) uniform sampler2D normal;
 layout(scalar, set = 0, binding = 3) readonly buffer Lights { LightRecord lights[]; };
 layout(location = 0) out vec4 out_linear;
 
-// Diffuse light on a captured surface, linear, in view space. An irradiance of 1 at normal
-// incidence returns the albedo: the pi of the diffuse lobe is folded into the lights' unit.
+// Light for every pixel of the picture: the reference for shading at the rate of depth pixels.
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec4 seen = texelFetch(albedo, at, 0);
@@ -24,14 +24,7 @@ void main() {
     // Nothing there: no trips.
     uint count = seen.a > 0.0 ? p.count : 0u;
     for (uint i = 0u; i < count; ++i) {
-        LightRecord light = lights[i];
-        vec3 to_light = light.kind == 1u ? light.place - q : light.place;
-        float squared = max(dot(to_light, to_light), 1e-6);
-        float towards = max(dot(n, to_light) * inversesqrt(squared), 0.0);
-        // Inverse square with a smooth end at the radius (Karis 2013), bounded at 10 cm.
-        float inside = clamp(1.0 - pow(squared / (light.radius * light.radius), 2.0), 0.0, 1.0);
-        float falloff = light.kind == 1u ? inside * inside / max(squared, 0.01) : 1.0;
-        irradiance += light.color * towards * falloff;
+        irradiance += light_at(lights[i], q, n);
     }
     out_linear = vec4(seen.a > 0.0 ? captured * irradiance : captured, seen.a);
 }

@@ -18,6 +18,9 @@ constexpr std::uint32_t kFullscreen[] = {
 constexpr std::uint32_t kLight[] = {
 #include "light_frag.inc"
 };
+constexpr std::uint32_t kPoints[] = {
+#include "points_comp.inc"
+};
 constexpr std::uint32_t kFinal[] = {
 #include "final_frag.inc"
 };
@@ -87,6 +90,44 @@ graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene, co
         },
         execute);
     return linear;
+}
+
+graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scene, const View& view,
+                                     const DepthPassInputs& in) {
+    const std::uint64_t points = std::uint64_t{in.params.grid.x} * in.params.grid.y;
+    graph::BufferId lit = graph.create_buffer("lit colours", {points * 4});
+    const shared::PointLightParams params{.ambient = scene.ambient,
+                                          .count = static_cast<std::uint32_t>(scene.lights.size()),
+                                          .mixed = scene.color_mode == ColorMode::mixed ? 1u : 0u,
+                                          .exposure = scene.exposure};
+    const auto records = lights_in_view(scene, view);
+    const auto execute = [=](PassContext& c) {
+        gpu::PipelineDesc desc;
+        desc.name = "light/points";
+        desc.compute = kPoints;
+        desc.bindings.assign(7, gpu::Binding::storage);
+        desc.push_bytes = sizeof(in.params);
+        desc.constants.assign(kPinholeConstant + 1, 0);
+        desc.constants[1] = in.has_color ? 1 : 0;
+        desc.constants[kPinholeConstant] = in.pinhole ? 1 : 0;
+        if (!c.bind(desc,
+                    {c.bound(lit), c.bound(in.depth), c.bound(in.rays), c.bound(in.color),
+                     c.bound(in.normals), c.upload(&params, sizeof(params)), c.upload(records)})) {
+            return;
+        }
+        c.commands().constants(in.params);
+        c.commands().dispatch((in.params.grid.x + 63) / 64, in.params.grid.y);
+    };
+    graph.add_pass(
+        "light/points", "light",
+        [&](PassBuilder& b) {
+            for (const graph::BufferId id : {in.depth, in.rays, in.color, in.normals}) {
+                b.read(id, Use::compute_read);
+            }
+            lit = b.write(lit, Use::compute_write);
+        },
+        execute);
+    return lit;
 }
 
 graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,

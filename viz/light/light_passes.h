@@ -4,6 +4,7 @@
 #include "viz/graph/graph.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
+#include "viz/surface/depth_passes.h"
 #include "viz/surface/depth_rasterizer.h"
 
 namespace kino {
@@ -17,6 +18,11 @@ constexpr VkFormat kSceneLinearFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 /// have view_z and normal.
 [[nodiscard]] graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene,
                                               const View& view, const SurfaceTargets& surface);
+
+/// Light at the rate of depth pixels: a colour for each of them, sRGB-coded RGBA8, exposure and
+/// tone map included. Takes `inputs.normals`, which must be valid.
+[[nodiscard]] graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scene,
+                                                   const View& view, const DepthPassInputs& inputs);
 
 /// Exposure, tone map, sRGB, dither, into `target`; returns its new id.
 [[nodiscard]] graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,

@@ -18,6 +18,14 @@ struct LightParams {
     uint mixed;  // 1: captured light stays and virtual light adds; 0: relit
 };
 
+// What the point shader reads beside the surface's own push constants.
+struct PointLightParams {
+    vec3 ambient;
+    uint count;
+    uint mixed;
+    float exposure;
+};
+
 struct FinalParams {
     float exposure;
     uint tone_map;  // 0: clip, so captured colours stay what they are; 1: roll off the highlights

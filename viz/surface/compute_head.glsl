@@ -5,6 +5,9 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
 #include "viz/surface/surface_shared.h"
-layout(local_size_x = 64) in;
+#ifndef KINO_LOCAL_SIZE
+#define KINO_LOCAL_SIZE 64
+#endif
+layout(local_size_x = KINO_LOCAL_SIZE) in;
 layout(push_constant, scalar) uniform Push { SurfaceParams p; };
 #include "viz/surface/depth_grid.glsl"

@@ -18,9 +18,6 @@ constexpr std::uint32_t kSplat[] = {
 constexpr std::uint32_t kSplat32[] = {
 #include "splat32_comp.inc"
 };
-constexpr std::uint32_t kMeshVertices[] = {
-#include "mesh_vertices_comp.inc"
-};
 constexpr std::uint32_t kMeshCells[] = {
 #include "mesh_cells_comp.inc"
 };
@@ -63,8 +60,12 @@ std::uint64_t grid_count(const SurfaceParams& p) {
     return std::uint64_t{p.grid.x} * p.grid.y;
 }
 
+/// `pinhole` goes where depth_grid.glsl has it, behind the shader's own constants.
 gpu::PipelineDesc compute(const char* name, std::span<const std::uint32_t> code,
-                          std::size_t buffers, std::vector<std::uint32_t> constants = {}) {
+                          std::size_t buffers, bool pinhole,
+                          std::vector<std::uint32_t> constants = {}) {
+    constants.resize(kPinholeConstant, 0);
+    constants.push_back(pinhole ? 1 : 0);
     gpu::PipelineDesc desc;
     desc.name = name;
     desc.compute = code;
@@ -154,12 +155,12 @@ BufferId add_normals_pass(graph::FrameGraph& graph, const DepthPassInputs& in) {
             normals = b.write(normals, Use::compute_write);
         },
         [in, normals](PassContext& c) {
-            if (!c.bind(compute("surface/normals", kNormals, 3),
+            if (!c.bind(compute("surface/normals", kNormals, 3, in.pinhole),
                         {c.bound(normals), c.bound(in.depth), c.bound(in.rays)})) {
                 return;
             }
             c.commands().constants(in.params);
-            c.commands().dispatch(groups_of_64(grid_count(in.params)));
+            c.commands().dispatch(groups_of_64(in.params.grid.x), in.params.grid.y);
         });
     return normals;
 }
@@ -180,14 +181,15 @@ SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs
                 const std::vector<std::uint32_t> constants = {carries_color(targets) ? 1u : 0u,
                                                               in.has_color ? 1u : 0u,
                                                               params.splat_cap_px == 1 ? 1u : 0u};
-                const auto desc = key32 ? compute("surface/splat 32 bit", kSplat32, 4, constants)
-                                        : compute("surface/splat", kSplat, 4, constants);
+                const auto desc =
+                    key32 ? compute("surface/splat 32 bit", kSplat32, 4, in.pinhole, constants)
+                          : compute("surface/splat", kSplat, 4, in.pinhole, constants);
                 if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
                                    c.bound(in.color)})) {
                     return;
                 }
                 c.commands().constants(params);
-                c.commands().dispatch(groups_of_64(grid_count(params)));
+                c.commands().dispatch(groups_of_64(params.grid.x), params.grid.y);
             });
     });
     return add_resolve(graph, in, visibility, false, targets);
@@ -199,25 +201,9 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
     const std::vector<std::uint32_t> constants = {carries_color(targets) ? 1u : 0u,
                                                   in.has_color ? 1u : 0u};
     BufferId visibility = add_clear(graph, in.params);
-    BufferId vertices = graph.create_buffer("projected vertices", {grid_count(in.params) * 16});
     // Room for every triangle, so that no view can overflow it.
     BufferId large =
         graph.create_buffer("large triangles", {sizeof(shared::LargeList) + 2 * cells * 4});
-    graph.add_pass(
-        "surface/project vertices", kRasterGroup,
-        [&](PassBuilder& b) {
-            b.read(in.depth, Use::compute_read);
-            b.read(in.rays, Use::compute_read);
-            vertices = b.write(vertices, Use::compute_write);
-        },
-        [=](PassContext& c) {
-            if (!c.bind(compute("surface/project vertices", kMeshVertices, 3),
-                        {c.bound(vertices), c.bound(in.depth), c.bound(in.rays)})) {
-                return;
-            }
-            c.commands().constants(in.params);
-            c.commands().dispatch(groups_of_64(grid_count(in.params)));
-        });
     for_each_key_pass(key32, in.params, [&](const SurfaceParams& params, bool index_pass) {
         graph.add_pass(
             "surface/clear list", kRasterGroup,
@@ -229,23 +215,25 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
         graph.add_pass(
             index_pass ? "surface/small triangles index" : "surface/small triangles", kRasterGroup,
             [&](PassBuilder& b) {
-                b.read(vertices, Use::compute_read);
+                b.read(in.depth, Use::compute_read);
+                b.read(in.rays, Use::compute_read);
                 b.read(in.color, Use::compute_read);
                 visibility = b.write(visibility, Use::compute_write);
                 large = b.write(large, Use::compute_write);
             },
             [=](PassContext& c) {
-                const auto desc =
-                    key32 ? compute("surface/small triangles 32 bit", kMeshCells32, 4, constants)
-                          : compute("surface/small triangles", kMeshCells, 4, constants);
-                if (!c.bind(desc, {c.bound(visibility), c.bound(vertices), c.bound(large),
-                                   c.bound(in.color)})) {
+                const auto desc = key32 ? compute("surface/small triangles 32 bit", kMeshCells32, 5,
+                                                  in.pinhole, constants)
+                                        : compute("surface/small triangles", kMeshCells, 5,
+                                                  in.pinhole, constants);
+                if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
+                                   c.bound(large), c.bound(in.color)})) {
                     return;
                 }
                 c.commands().constants(params);
-                // A thread walks down eight cells of a column.
-                const std::uint64_t strips = (in.params.grid.y - 1 + 7) / 8;
-                c.commands().dispatch(groups_of_64(strips * (in.params.grid.x - 1)));
+                // A thread walks down sixteen cells of a column.
+                c.commands().dispatch(groups_of_64(params.grid.x - 1),
+                                      (params.grid.y - 1 + 15) / 16);
             });
         graph.add_pass(
             index_pass ? "surface/large triangles index" : "surface/large triangles", kRasterGroup,
@@ -258,9 +246,10 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
                 visibility = b.write(visibility, Use::compute_write);
             },
             [=](PassContext& c) {
-                const auto desc =
-                    key32 ? compute("surface/large triangles 32 bit", kMeshLarge32, 5, constants)
-                          : compute("surface/large triangles", kMeshLarge, 5, constants);
+                const auto desc = key32 ? compute("surface/large triangles 32 bit", kMeshLarge32, 5,
+                                                  in.pinhole, constants)
+                                        : compute("surface/large triangles", kMeshLarge, 5,
+                                                  in.pinhole, constants);
                 if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
                                    c.bound(large), c.bound(in.color)})) {
                     return;

@@ -2,6 +2,12 @@
 #ifndef KINO_DEPTH_GRID_GLSL
 #define KINO_DEPTH_GRID_GLSL
 
+// Cameras without distortion need no table of rays, and a load is what a lane pays most for.
+layout(constant_id = 9) const uint kPinhole = 0u;
+
+#define KINO_RAY(at, index) \
+    (kPinhole != 0u ? (vec2(at) - p.depth_k.zw) * p.depth_k.xy : rays[index])
+
 vec3 depth_point(float z, vec2 ray) { return vec3(ray * z, z); }
 
 vec3 to_view(SurfaceParams p, vec3 depth_space) {

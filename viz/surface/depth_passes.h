@@ -14,7 +14,11 @@ struct DepthPassInputs {
     graph::BufferId color;    ///< `depth` again where there is none
     graph::BufferId normals;  ///< invalid unless normals are wanted
     bool has_color = false;
+    bool pinhole = false;  ///< params.depth_k says what `rays` would
 };
+
+/// Index of the specialisation constant kPinhole (viz/surface/depth_grid.glsl).
+constexpr std::size_t kPinholeConstant = 9;
 
 /// A normal for every depth pixel, packed octahedral, view space.
 [[nodiscard]] graph::BufferId add_normals_pass(graph::FrameGraph& graph,

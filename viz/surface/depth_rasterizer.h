@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include "viz/graph/executor.h"
 #include "viz/graph/graph.h"
@@ -29,6 +31,10 @@ constexpr VkFormat kViewZFormat = VK_FORMAT_R32_SFLOAT;
 constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16_SNORM;
 constexpr VkFormat kIdFormat = VK_FORMAT_R32_UINT;
 
+struct DepthPassInputs;
+/// Makes a colour (sRGB-coded RGBA8) for every depth pixel.
+using Recolor = std::function<graph::BufferId(graph::FrameGraph&, const DepthPassInputs&)>;
+
 /// Draws a live depth frame as points or as a mesh. Owns the GPU copy of the frame; memory is
 /// made for the first frame and kept while the size stays.
 class DepthRasterizer {
@@ -40,11 +46,12 @@ class DepthRasterizer {
     [[nodiscard]] Result<void> upload(const DepthSurface& surface);
 
     /// Adds the passes that draw the uploaded frame into `targets` and returns their new ids.
-    /// `background_*` are packed sRGB RGBA8.
+    /// `background_*` are packed sRGB RGBA8. `recolor`, if set, makes the colours to draw with from
+    /// the frame and its normals.
     [[nodiscard]] SurfaceTargets add(graph::FrameGraph& graph, const LiveDepth& live,
                                      const View& view, RasterPath path, SurfaceTargets targets,
-                                     std::uint32_t background_top,
-                                     std::uint32_t background_bottom) const;
+                                     std::uint32_t background_top, std::uint32_t background_bottom,
+                                     const Recolor& recolor = nullptr) const;
 
     [[nodiscard]] std::uint64_t bytes() const;
     /// Gives the memory back.
@@ -63,6 +70,7 @@ class DepthRasterizer {
     std::uint32_t height_ = 0;
     double focal_px_ = 0;
     bool has_color_ = false;
+    std::optional<glm::vec4> pinhole_;  ///< 1/fx, 1/fy, cx, cy where the rays are a plain pinhole's
 };
 
 }  // namespace kino

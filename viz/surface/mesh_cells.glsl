@@ -1,13 +1,26 @@
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
 #include "viz/surface/payload.glsl"
-layout(scalar, set = 0, binding = 1) readonly buffer Vertices { vec4 vertices[]; };
-layout(scalar, set = 0, binding = 2) buffer Large { LargeList large; uint large_triangles[]; };
-layout(scalar, set = 0, binding = 3) readonly buffer Color { uint color[]; };
+layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
+layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
+layout(scalar, set = 0, binding = 3) buffer Large { LargeList large; uint large_triangles[]; };
+layout(scalar, set = 0, binding = 4) readonly buffer Color { uint color[]; };
 
 layout(constant_id = 1) const uint kHasColor = 1u;
-// Cells a thread walks down: the lower corners of one are the upper corners of the next.
-const uint kStrip = 8u;
+// Cells a thread walks down: the lower corners of one are the upper corners of the next, so a
+// cell costs two new vertices. Projecting each of them twice (its right neighbour does, too) is
+// cheaper than a pass that stores them: loads and stores are what a lane pays most for.
+const uint kStrip = 16u;
+
+// A depth pixel as a vertex: framebuffer x and y, 1 / view depth (negative: nearer than the near
+// plane, the other pass clips it), and its own depth (0: no reading).
+vec4 vertex(uvec2 at) {
+    uint i = at.y * p.grid.x + at.x;
+    float z = depth_m[i];
+    vec3 v = to_view(p, depth_point(z, KINO_RAY(at, i)));
+    float inverse_z = v.z >= p.near_m ? 1.0 / v.z : -1.0;
+    return vec4(p.k.xy * v.xy * inverse_z + p.k.zw + 0.5, inverse_z, z);
+}
 
 // Each listed triangle gets a work group in the pass that follows.
 void list(uint triangle) {
@@ -35,16 +48,17 @@ void raster(uint cell, uint kept, vec3 a, vec3 b, vec3 c, vec3 d, uvec4 colors) 
                    all(greaterThan(high, vec2(0.0)));
     // Corners nearer than the near plane have no place on the screen: clipped in the other pass.
     bool crossing = nearest > 0.0 && farthest <= 0.0;
-    bool micro = visible && !crossing && all(lessThan(high - low, vec2(KINO_MICRO_LIMIT_PX)));
+    // Pixel centres at +0.5. Clamped before the conversion: far outside would not fit an int.
+    ivec2 first = ivec2(ceil(clamp(low, vec2(0.0), vec2(p.target)) - 0.5));
+    ivec2 last = min(ivec2(floor(clamp(high, vec2(0.0), vec2(p.target)) - 0.5)), ivec2(p.target) - 1);
+    ivec2 size = max(last - first + 1, ivec2(0));
+    bool micro = visible && !crossing && size.x * size.y <= KINO_MICRO_LIMIT_PIXELS;
     bool listed = crossing || (visible && !micro);
     for (uint k = 0u; k < (listed ? 2u : 0u); ++k) {
         if ((kept & (1u << k)) != 0u) list(2u * cell + k);
     }
-    // Pixel centres at +0.5; coordinates relative to a corner keep float exact enough.
-    ivec2 first = max(ivec2(ceil(low - 0.5)), ivec2(0));
-    ivec2 last = min(ivec2(floor(high - 0.5)), ivec2(p.target) - 1);
-    int wide = last.x - first.x + 1;
-    int count = micro && wide > 0 ? wide * max(last.y - first.y + 1, 0) : 0;
+    int count = micro ? size.x * size.y : 0;
+    // Coordinates relative to a corner keep float exact enough.
     vec2 ab = b.xy - a.xy;
     vec2 ac = c.xy - a.xy;
     vec2 dc = c.xy - d.xy;
@@ -92,27 +106,28 @@ void raster(uint cell, uint kept, vec3 a, vec3 b, vec3 c, vec3 d, uvec4 colors) 
 void main() {
     uint cells_x = p.grid.x - 1u;
     uint cells_y = p.grid.y - 1u;
-    uint column = gl_GlobalInvocationID.x % cells_x;
-    uint first_row = gl_GlobalInvocationID.x / cells_x * kStrip;
+    uint column = gl_GlobalInvocationID.x;
+    uint first_row = gl_GlobalInvocationID.y * kStrip;
     uint end_row = min(first_row + kStrip, cells_y);
-    if (first_row >= cells_y) return;
+    if (column >= cells_x) return;
     uint i = first_row * p.grid.x + column;
-    vec4 upper_left = vertices[i];
-    vec3 upper_right = vertices[i + 1u].xyz;
+    vec4 upper_left = vertex(uvec2(column, first_row));
+    vec4 upper_right = vertex(uvec2(column + 1u, first_row));
     uvec2 upper_colors = uvec2(color_at(i), color_at(i + 1u));
     for (uint row = first_row; row < end_row; ++row) {
-        vec4 lower_left = vertices[i + p.grid.x];
-        vec3 lower_right = vertices[i + p.grid.x + 1u].xyz;
-        uvec2 lower_colors = uvec2(color_at(i + p.grid.x), color_at(i + p.grid.x + 1u));
-        uint kept = floatBitsToUint(upper_left.w);
+        vec4 lower_left = vertex(uvec2(column, row + 1u));
+        vec4 lower_right = vertex(uvec2(column + 1u, row + 1u));
+        i += p.grid.x;
+        uvec2 lower_colors = uvec2(color_at(i), color_at(i + 1u));
+        uint kept = (keep_triangle(p, upper_left.w, upper_right.w, lower_left.w) ? 1u : 0u) |
+                    (keep_triangle(p, upper_right.w, lower_right.w, lower_left.w) ? 2u : 0u);
         // A loop, not an if: it really skips where no lane has a triangle.
         for (uint once = 0u; once < min(kept, 1u); ++once) {
-            raster(row * cells_x + column, kept, upper_left.xyz, upper_right, lower_left.xyz,
-                   lower_right, uvec4(upper_colors, lower_colors));
+            raster(row * cells_x + column, kept, upper_left.xyz, upper_right.xyz, lower_left.xyz,
+                   lower_right.xyz, uvec4(upper_colors, lower_colors));
         }
         upper_left = lower_left;
         upper_right = lower_right;
         upper_colors = lower_colors;
-        i += p.grid.x;
     }
 }

@@ -1,3 +1,5 @@
+// Few lanes a triangle: every lane of a group sets it up anew, and most have some dozen pixels.
+#define KINO_LOCAL_SIZE 8
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
 #include "viz/surface/payload.glsl"
@@ -61,7 +63,7 @@ void main() {
     uint color_c = color_or(color_at(corners.z), color_b, color_b);
     uint color_a = color_or(color_at(corners.x), color_b, color_b);
     const float kSlack = -1e-5;
-    for (uint k = gl_LocalInvocationID.x; k < pixels; k += 64u) {
+    for (uint k = gl_LocalInvocationID.x; k < pixels; k += uint(KINO_LOCAL_SIZE)) {
         uvec2 pixel = uvec2(first.x + k % wide, first.y + k / wide);
         vec3 ray = vec3((vec2(pixel) - p.k.zw) / p.k.xy, 1.0);
         float z = distance / dot(ray, n);

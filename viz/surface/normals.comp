@@ -16,11 +16,11 @@ layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
 #include "viz/surface/octahedral.glsl"
 
 void main() {
-    uint i = gl_GlobalInvocationID.x;
-    if (i >= p.grid.x * p.grid.y) return;
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (at.x >= p.grid.x) return;
+    uint i = at.y * p.grid.x + at.x;
     float z = depth_m[i];
-    vec2 ray = rays[i];
-    ivec2 at = ivec2(i % p.grid.x, i / p.grid.x);
+    vec2 ray = KINO_RAY(at, i);
     // Spacing in pixels of a 640 px wide image; fewer where the image is coarser.
     float coarseness = p.depth_focal_px / 571.26;
     float spacing = max(round(min(1.0 + 2.2 * z, 10.0) * coarseness), 1.0);
@@ -33,12 +33,12 @@ void main() {
     float n = 0.0, su = 0.0, sv = 0.0, suu = 0.0, suv = 0.0, svv = 0.0;
     float sw = 0.0, suw = 0.0, svw = 0.0;
     for (int k = 0; k < 9; ++k) {
-        ivec2 q = at + int(spacing) * ivec2(k % 3 - 1, k / 3 - 1);
+        ivec2 q = ivec2(at) + int(spacing) * ivec2(k % 3 - 1, k / 3 - 1);
         bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, ivec2(p.grid)));
         uint j = inside ? uint(q.y) * p.grid.x + uint(q.x) : i;
         float zq = depth_m[j];
         bool ok = inside && zq > 0.0 && abs(zq - z) < limit;
-        vec2 uv = (rays[j] - ray) * to_unit;
+        vec2 uv = (KINO_RAY(q, j) - ray) * to_unit;
         // Relative to the centre, so that no digits cancel.
         float w = ok ? (z - zq) / (z * zq) : 0.0;
         float one = ok ? 1.0 : 0.0;

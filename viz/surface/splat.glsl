@@ -9,10 +9,11 @@ layout(constant_id = 1) const uint kHasColor = 1u;
 layout(constant_id = 2) const uint kSinglePixel = 1u;
 
 void main() {
-    uint i = gl_GlobalInvocationID.x;
-    if (i >= p.grid.x * p.grid.y) return;
+    uvec2 at = gl_GlobalInvocationID.xy;
+    if (at.x >= p.grid.x) return;
+    uint i = at.y * p.grid.x + at.x;
     float z = depth_m[i];
-    vec3 v = to_view(p, depth_point(z, rays[i]));
+    vec3 v = to_view(p, depth_point(z, KINO_RAY(at, i)));
     if (!(z > 0.0) || !(v.z >= p.near_m)) return;
     uint payload = kColorPayload == 0u ? i : kHasColor != 0u ? opaque(color[i]) : kUncolouredBits;
     vec2 centre = p.k.xy * v.xy / v.z + p.k.zw + 0.5;  // framebuffer coordinates

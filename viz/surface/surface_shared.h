@@ -4,7 +4,7 @@
 
 KINO_SHARED_BEGIN
 
-// Everything the depth rasterisers need to know, 112 bytes of push constants.
+// Everything the depth rasterisers need to know, 128 bytes of push constants.
 struct SurfaceParams {
     vec4 view_from_depth_x;  // rows of the rigid transform: view = row.xyz * p + row.w
     vec4 view_from_depth_y;
@@ -12,6 +12,7 @@ struct SurfaceParams {
     vec4 k;        // fx, fy, cx, cy of the view, px, pixel centres at integers
     uvec2 target;  // picture size, px
     uvec2 grid;    // depth image size, px
+    vec4 depth_k;  // 1/fx, 1/fy, cx, cy of the depth camera where it is a plain pinhole
     float near_m;
     float depth_focal_px;
     float fixed_edge_m;  // > 0: this limit for every depth; 0: T(z)
@@ -32,9 +33,11 @@ struct LargeList {
 KINO_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(kino::shared::SurfaceParams) == 112);
+static_assert(sizeof(kino::shared::SurfaceParams) == 128);
 #else
-#define KINO_MICRO_LIMIT_PX 16.0
+// A cell whose bounds hold more pixels than this goes to the list of large triangles: a lane that
+// walks many pixels holds up all others.
+#define KINO_MICRO_LIMIT_PIXELS 32
 // An empty pixel of the visibility buffer: no depth is this large.
 #define KINO_EMPTY 0xFFFFFFFFu
 #endif

@@ -1,0 +1,19 @@
+// Diffuse light at a point q with normal n, both in view space; linear. An irradiance of 1 at
+// normal incidence returns the albedo: the pi of the diffuse lobe is folded into the lights' unit.
+vec3 light_at(LightRecord light, vec3 q, vec3 n) {
+    vec3 to_light = light.kind == 1u ? light.place - q : light.place;
+    float squared = max(dot(to_light, to_light), 1e-6);
+    float towards = max(dot(n, to_light) * inversesqrt(squared), 0.0);
+    // Inverse square with a smooth end at the radius (Karis 2013), bounded at 10 cm.
+    float ratio = squared / (light.radius * light.radius);
+    float inside = clamp(1.0 - ratio * ratio, 0.0, 1.0);
+    float falloff = light.kind == 1u ? inside * inside / max(squared, 0.01) : 1.0;
+    return light.color * towards * falloff;
+}
+
+// Linear up to 0.7, then a hyperbola that reaches 1 at infinity with the same slope.
+vec3 roll_off(vec3 c) {
+    const float kKnee = 0.7;
+    vec3 over = max(c - kKnee, 0.0);
+    return min(c, kKnee) + (1.0 - kKnee) * over / (over + (1.0 - kKnee));
+}
