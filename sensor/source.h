@@ -41,9 +41,9 @@ struct Event {
 
 struct SourceInfo {
     std::string uri;
-    std::string name;    ///< for a person: "TUM RGB-D fr1/desk"
-    std::string serial;  ///< of the device, if known
-    std::string note;    ///< what the viewer must say: "depth only, roughly metric"
+    std::string name;     ///< for a person: "TUM RGB-D fr1/desk"
+    std::string serial;   ///< of the device, if known
+    std::string note;     ///< what the viewer must say: "depth only, roughly metric"
     std::string licence;  ///< of a recording, if stated
     std::vector<StreamInfo> streams;
 };
