@@ -266,6 +266,39 @@ class RasterBench {
         }
     }
 
+    /// Whether the parts that the overlay shows sum to the whole: each group with a submit of its
+    /// own against the frame in one submit.
+    void parts_and_whole(LiveDepth live, const View& view) {
+        live.style = DepthStyle::mesh;
+        Scene scene;
+        scene.live = live;
+        scene.color_mode = ColorMode::relit;
+        scene.lights = {{.kind = LightKind::directional, .direction = {0.3, -0.7, -0.6}}};
+        std::vector<Timing> timings = {{"one submit", {}}, {"sum of the groups", {}}};
+        for (int round = -2; round < (context_.quick() ? 5 : 31); ++round) {
+            for (const bool parts : {false, true}) {
+                const auto frame = render_in_place(
+                    scene, view,
+                    {.timing = parts ? graph::Timing::every_group : graph::Timing::frame});
+                if (!frame) return context_.fail(frame.error());
+                if (round >= 0) timings[parts ? 1 : 0].ms.push_back(frame->ms);
+            }
+        }
+        const Comparison comparison(timings);
+        for (const Timing& timing : timings) {
+            context_.add({.case_name = "orbit mesh, relit",
+                          .knob = "timing",
+                          .level = timing.name,
+                          .baseline = "one submit"},
+                         comparison);
+        }
+        const double ratio = comparison.speedup("sum of the groups", "one submit");
+        context_.claim(
+            fmt::format("the groups' times sum to the frame's within 10 % (ratio {:.3f})",
+                        1 / ratio),
+            ratio > 1 / 1.1 && ratio < 1.1);
+    }
+
     /// New points uploaded, drawn, lit where asked, composed: what a viewer spends a frame on.
     void whole_frames(const LiveDepth& live, const View& view) {
         struct Kind {
@@ -358,6 +391,7 @@ void bench_raster(BenchContext& context) {
     live.style = DepthStyle::cloud;
     bench.splat_caps(live, views[2].view);
     bench.light_rates(live, views[1].view);
+    bench.parts_and_whole(live, views[1].view);
     bench.whole_frames(live, views[1].view);
     context.note(
         "307,200 points (the office with its holes filled), 1280x720, time from submit to fence. "
