@@ -149,12 +149,13 @@ void LiveRunner::run_device() {
         for (const Event& event : opened_.source->take_events()) {
             ended = ended || event.kind == EventKind::ended;
         }
+        const bool failed = !frame;
         const bool nothing = frame && !*frame;
-        if (!nothing && (!paused || !frame)) deliver(std::move(frame));
+        if (!nothing && (!paused || failed)) deliver(std::move(frame));
         lock.lock();
         status_.finished = ended;
         // A source that fails at once and for ever must not burn a processor.
-        if (!frame) changed_.wait_for(lock, kLook);
+        if (failed) changed_.wait_for(lock, kLook);
     }
 }
 

@@ -64,8 +64,8 @@ void OrbitCamera::zoom(double factor) {
 
 void OrbitCamera::follow(const glm::dvec3& center, double dt_s) {
     if (touched_) return;
-    constexpr double kTimeConstant_s = 1.5;
-    target_ += (center - target_) * (1 - std::exp(-std::max(0.0, dt_s) / kTimeConstant_s));
+    constexpr double kSecondsToFollow = 1.5;
+    target_ += (center - target_) * (1 - std::exp(-std::max(0.0, dt_s) / kSecondsToFollow));
 }
 
 OrbitCamera::Angles OrbitCamera::swayed() const {

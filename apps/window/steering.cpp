@@ -10,11 +10,11 @@
 namespace kino {
 namespace {
 
-constexpr double kTurn_rad_per_px = 0.005;
-constexpr double kPan_per_px = 0.0012;
+constexpr double kTurnPerPixel = 0.005;  ///< rad
+constexpr double kPanPerPixel = 0.0012;  ///< parts of the distance, or m in flight
 constexpr double kWheelStep = 0.9;
-constexpr double kClick_px = 4;
-constexpr double kFlight_m_per_s = 1.2;
+constexpr double kClickPixels = 4;
+constexpr double kFlightSpeed = 1.2;  ///< m/s
 
 glm::dvec3 held_direction(const Window& window) {
     const auto axis = [&](int plus, int minus) {
@@ -38,7 +38,8 @@ bool Steering::steer(Window& window, const WindowInput& input, bool ui_has_mouse
             last_ = event.at;
             dragged_px_ = 0;
         } else if (!event.down && event.button == dragging_) {
-            if (event.button == GLFW_MOUSE_BUTTON_LEFT && dragged_px_ < kClick_px) clicked_ = true;
+            if (event.button == GLFW_MOUSE_BUTTON_LEFT && dragged_px_ < kClickPixels)
+                clicked_ = true;
             dragging_ = -1;
         }
     }
@@ -48,16 +49,16 @@ bool Steering::steer(Window& window, const WindowInput& input, bool ui_has_mouse
         last_ = input.cursor_px;
         dragged_px_ += glm::length(delta);
         const bool turn = dragging_ == GLFW_MOUSE_BUTTON_LEFT;
-        if (dragged_px_ >= kClick_px && delta != glm::dvec2(0)) {
+        if (dragged_px_ >= kClickPixels && delta != glm::dvec2(0)) {
             moved = true;
             if (camera.kind == ViewKind::orbit && turn) {
-                camera.orbit.turn(-kTurn_rad_per_px * delta.x, kTurn_rad_per_px * delta.y);
+                camera.orbit.turn(-kTurnPerPixel * delta.x, kTurnPerPixel * delta.y);
             } else if (camera.kind == ViewKind::orbit) {
-                camera.orbit.pan({-kPan_per_px * delta.x, kPan_per_px * delta.y});
+                camera.orbit.pan({-kPanPerPixel * delta.x, kPanPerPixel * delta.y});
             } else if (camera.kind == ViewKind::fly && turn) {
-                camera.fly.look(-kTurn_rad_per_px * delta.x, -kTurn_rad_per_px * delta.y);
+                camera.fly.look(-kTurnPerPixel * delta.x, -kTurnPerPixel * delta.y);
             } else if (camera.kind == ViewKind::fly) {
-                camera.fly.move({-kPan_per_px * delta.x, kPan_per_px * delta.y, 0});
+                camera.fly.move({-kPanPerPixel * delta.x, kPanPerPixel * delta.y, 0});
             }
         }
     }
@@ -74,7 +75,7 @@ bool Steering::steer(Window& window, const WindowInput& input, bool ui_has_mouse
         if (direction != glm::dvec3(0)) {
             const bool fast =
                 window.is_key_down(GLFW_KEY_LEFT_SHIFT) || window.is_key_down(GLFW_KEY_RIGHT_SHIFT);
-            camera.fly.move(direction * (kFlight_m_per_s * dt_s * (fast ? 3 : 1)));
+            camera.fly.move(direction * (kFlightSpeed * dt_s * (fast ? 3 : 1)));
             moved = true;
         }
     }

@@ -21,31 +21,31 @@ class LiveRunnerTest : public testing::Test {
   protected:
     void start(CountingSource::Options options, LoopMode mode) {
         auto opened =
-            prepare_for_playing(std::make_unique<CountingSource>(std::move(options), log_), mode);
+            prepare_for_playing(std::make_unique<CountingSource>(std::move(options), log), mode);
         ASSERT_TRUE(opened) << opened.error().to_string();
-        runner_ = std::make_unique<LiveRunner>(
-            std::move(*opened), LiveOptions{.clock = [clock = clock_] { return clock->load(); }});
+        runner = std::make_unique<LiveRunner>(
+            std::move(*opened), LiveOptions{.clock = [clock = clock] { return clock->load(); }});
     }
-    void advance(TimeNs time) { clock_->fetch_add(time); }
+    void advance(TimeNs time) { clock->fetch_add(time); }
     /// Until the runner has made `count` frames ready (or failed to).
     [[nodiscard]] bool wait_processed(std::int64_t count) const {
         const TimeNs until = now_ns() + kPatience;
         while (now_ns() < until) {
-            const LiveStatus status = runner_->status();
+            const LiveStatus status = runner->status();
             if (status.processed + status.errors >= count) return true;
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         return false;
     }
     [[nodiscard]] std::int64_t next_index() const {
-        const auto frame = runner_->wait(kPatience);
+        const auto frame = runner->wait(kPatience);
         return frame ? frame->set.index : -1;
     }
     static void let_it_look() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
 
-    std::shared_ptr<std::atomic<TimeNs>> clock_ = std::make_shared<std::atomic<TimeNs>>(1);
-    std::shared_ptr<CountingLog> log_ = std::make_shared<CountingLog>();
-    std::unique_ptr<LiveRunner> runner_;
+    std::shared_ptr<std::atomic<TimeNs>> clock = std::make_shared<std::atomic<TimeNs>>(1);
+    std::shared_ptr<CountingLog> log = std::make_shared<CountingLog>();
+    std::unique_ptr<LiveRunner> runner;
 };
 
 TEST_F(LiveRunnerTest, ShowsEveryFrameInOrderWhenThereIsTime) {
@@ -54,16 +54,16 @@ TEST_F(LiveRunnerTest, ShowsEveryFrameInOrderWhenThereIsTime) {
         EXPECT_EQ(next_index(), expected);
         advance(kFrameTime);
     }
-    EXPECT_EQ(runner_->status().dropped, 0);
+    EXPECT_EQ(runner->status().dropped, 0);
 }
 
 TEST_F(LiveRunnerTest, FrameHasTheDepthOfItsIndex) {
     start({.frames = 9}, LoopMode::loop);
-    runner_->seek(7);
+    runner->seek(7);
     const TimeNs until = now_ns() + kPatience;
     std::optional<ProcessedFrame> frame;
     while (now_ns() < until && (!frame || frame->set.index != 7))
-        frame = runner_->wait(kNsPerSecond);
+        frame = runner->wait(kNsPerSecond);
     ASSERT_TRUE(frame);
     ASSERT_EQ(frame->set.index, 7);
     EXPECT_FLOAT_EQ(frame->surface->depth_m.at(3, 3), 1.007f);
@@ -75,15 +75,15 @@ TEST_F(LiveRunnerTest, PauseHoldsTheFrame) {
     EXPECT_EQ(next_index(), 0);
     advance(kFrameTime);
     EXPECT_EQ(next_index(), 1);
-    runner_->pause();
+    runner->pause();
     advance(50 * kFrameTime);
     let_it_look();
-    EXPECT_FALSE(runner_->take());
-    EXPECT_EQ(runner_->status().position, 1);
-    EXPECT_TRUE(runner_->status().paused);
-    runner_->resume();
+    EXPECT_FALSE(runner->take());
+    EXPECT_EQ(runner->status().position, 1);
+    EXPECT_TRUE(runner->status().paused);
+    runner->resume();
     let_it_look();
-    EXPECT_EQ(runner_->status().position, 1);
+    EXPECT_EQ(runner->status().position, 1);
     advance(kFrameTime);
     EXPECT_EQ(next_index(), 2);
 }
@@ -91,28 +91,28 @@ TEST_F(LiveRunnerTest, PauseHoldsTheFrame) {
 TEST_F(LiveRunnerTest, StepsBothWays) {
     start({.frames = 5}, LoopMode::loop);
     EXPECT_EQ(next_index(), 0);
-    runner_->step(1);
+    runner->step(1);
     EXPECT_EQ(next_index(), 1);
-    runner_->step(1);
+    runner->step(1);
     EXPECT_EQ(next_index(), 2);
-    runner_->step(-1);
+    runner->step(-1);
     EXPECT_EQ(next_index(), 1);
-    runner_->step(-1);
+    runner->step(-1);
     EXPECT_EQ(next_index(), 0);
-    runner_->step(-1);
+    runner->step(-1);
     EXPECT_EQ(next_index(), 4);
-    EXPECT_EQ(runner_->status().dropped, 0);
+    EXPECT_EQ(runner->status().dropped, 0);
 }
 
 TEST_F(LiveRunnerTest, SeekIsExactForEveryFrame) {
     start({.frames = 12}, LoopMode::loop);
-    runner_->pause();
+    runner->pause();
     EXPECT_EQ(next_index(), 0);
     for (const std::int64_t index : {11, 3, 4, 10, 1, 7, 0, 6, 2, 9, 5, 8}) {
-        runner_->seek(index);
+        runner->seek(index);
         EXPECT_EQ(next_index(), index);
     }
-    EXPECT_EQ(runner_->status().dropped, 0);
+    EXPECT_EQ(runner->status().dropped, 0);
 }
 
 TEST_F(LiveRunnerTest, NewestWinsAndTheOthersAreCounted) {
@@ -122,8 +122,8 @@ TEST_F(LiveRunnerTest, NewestWinsAndTheOthersAreCounted) {
         if (made < 4) advance(kFrameTime);
     }
     EXPECT_EQ(next_index(), 3);
-    EXPECT_EQ(runner_->status().dropped, 3);
-    EXPECT_FALSE(runner_->take());
+    EXPECT_EQ(runner->status().dropped, 3);
+    EXPECT_FALSE(runner->take());
 }
 
 TEST_F(LiveRunnerTest, FramesThatTimeRanOverCountAsDropped) {
@@ -131,10 +131,10 @@ TEST_F(LiveRunnerTest, FramesThatTimeRanOverCountAsDropped) {
     EXPECT_EQ(next_index(), 0);
     advance(5 * kFrameTime);
     EXPECT_EQ(next_index(), 5);
-    EXPECT_EQ(runner_->status().dropped, 4);
+    EXPECT_EQ(runner->status().dropped, 4);
     advance(7 * kFrameTime);  // over the end of the loop: 6 7 8 9 0 1 are missed
     EXPECT_EQ(next_index(), 2);
-    EXPECT_EQ(runner_->status().dropped, 10);
+    EXPECT_EQ(runner->status().dropped, 10);
 }
 
 TEST_F(LiveRunnerTest, UnreadableFramesAreCountedAndPlayingGoesOn) {
@@ -144,7 +144,7 @@ TEST_F(LiveRunnerTest, UnreadableFramesAreCountedAndPlayingGoesOn) {
     ASSERT_TRUE(wait_processed(2));
     advance(kFrameTime);
     EXPECT_EQ(next_index(), 2);
-    const LiveStatus status = runner_->status();
+    const LiveStatus status = runner->status();
     EXPECT_EQ(status.errors, 1);
     EXPECT_NE(status.last_error.find("unreadable"), std::string::npos);
 }
@@ -154,16 +154,16 @@ TEST_F(LiveRunnerTest, OnceFinishesAndResumeStartsOver) {
     EXPECT_EQ(next_index(), 0);
     advance(10 * kFrameTime);
     EXPECT_EQ(next_index(), 2);
-    EXPECT_TRUE(runner_->status().finished);
-    runner_->resume();
+    EXPECT_TRUE(runner->status().finished);
+    runner->resume();
     EXPECT_EQ(next_index(), 0);
-    EXPECT_FALSE(runner_->status().finished);
+    EXPECT_FALSE(runner->status().finished);
 }
 
 TEST_F(LiveRunnerTest, SpeedChangesWhatIsDue) {
     start({.frames = 10}, LoopMode::loop);
     EXPECT_EQ(next_index(), 0);
-    runner_->set_speed(2);
+    runner->set_speed(2);
     advance(kFrameTime);
     EXPECT_EQ(next_index(), 2);
 }
@@ -171,20 +171,20 @@ TEST_F(LiveRunnerTest, SpeedChangesWhatIsDue) {
 TEST_F(LiveRunnerTest, StopsInTheMiddleOfReading) {
     start({.frames = 1000, .reading_time = 30 * kNsPerMs}, LoopMode::loop);
     const TimeNs until = now_ns() + kPatience;
-    while (log_->reads == 0 && now_ns() < until) {
+    while (log->reads == 0 && now_ns() < until) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     advance(kFrameTime);
-    runner_->stop();
-    const int reads = log_->reads;
-    runner_->stop();
+    runner->stop();
+    const int reads = log->reads;
+    runner->stop();
     advance(kFrameTime);
     let_it_look();
-    EXPECT_EQ(log_->reads, reads);
+    EXPECT_EQ(log->reads, reads);
     // Nothing comes any more, and nobody waits for it.
-    while (runner_->take()) {
+    while (runner->take()) {
     }
-    EXPECT_FALSE(runner_->wait(kPatience));
+    EXPECT_FALSE(runner->wait(kPatience));
 }
 
 TEST_F(LiveRunnerTest, CommandsFromTheRenderThreadWhileFramesFlow) {
@@ -192,20 +192,20 @@ TEST_F(LiveRunnerTest, CommandsFromTheRenderThreadWhileFramesFlow) {
     std::int64_t taken = 0;
     for (int i = 0; i < 300; ++i) {
         advance(kFrameTime / 3);
-        if (i % 7 == 0) runner_->seek(i % 50);
-        if (i % 11 == 0) runner_->set_speed(1 + i % 3);
-        if (i % 13 == 0) runner_->step(i % 2 == 0 ? 1 : -1);
-        if (i % 17 == 0) runner_->set_mode(LoopMode::loop);
-        if (i % 5 == 0) runner_->resume();
-        if (const auto frame = runner_->take()) {
+        if (i % 7 == 0) runner->seek(i % 50);
+        if (i % 11 == 0) runner->set_speed(1 + i % 3);
+        if (i % 13 == 0) runner->step(i % 2 == 0 ? 1 : -1);
+        if (i % 17 == 0) runner->set_mode(LoopMode::loop);
+        if (i % 5 == 0) runner->resume();
+        if (const auto frame = runner->take()) {
             ++taken;
             EXPECT_FLOAT_EQ(frame->surface->depth_m.at(0, 0),
                             static_cast<float>(1000 + frame->set.index) * 0.001f);
         }
-        (void)runner_->status();
+        (void)runner->status();
     }
     ASSERT_TRUE(wait_processed(1));
-    taken += runner_->take().has_value() ? 1 : 0;
+    taken += runner->take().has_value() ? 1 : 0;
     EXPECT_GT(taken, 0);
 }
 
@@ -213,16 +213,16 @@ TEST_F(LiveRunnerTest, SourceWithoutTimelineDeliversInOrderAndEnds) {
     start({.frames = 5, .with_timeline = false}, LoopMode::loop);
     const TimeNs until = now_ns() + kPatience;
     std::int64_t last = -1;
-    while (!runner_->status().finished && now_ns() < until) {
-        if (const auto frame = runner_->take()) {
+    while (!runner->status().finished && now_ns() < until) {
+        if (const auto frame = runner->take()) {
             EXPECT_GT(frame->set.index, last);
             last = frame->set.index;
         }
     }
-    if (const auto frame = runner_->take()) last = frame->set.index;
+    if (const auto frame = runner->take()) last = frame->set.index;
     EXPECT_EQ(last, 4);
-    EXPECT_TRUE(runner_->status().finished);
-    EXPECT_EQ(runner_->status().processed, 5);
+    EXPECT_TRUE(runner->status().finished);
+    EXPECT_EQ(runner->status().processed, 5);
 }
 
 }  // namespace

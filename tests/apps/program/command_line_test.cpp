@@ -120,29 +120,29 @@ class Compare : public testing::Test {
     std::string write(const char* name, int width, Rgba8 fill, Rgba8 corner) {
         Image<Rgba8> image(width, 4, fill);
         image.at(0, 0) = corner;
-        const std::filesystem::path path = temp_ / name;
+        const std::filesystem::path path = temp / name;
         const Image<Rgba8>& fixed = image;
         EXPECT_TRUE(write_png_rgba8(path, fixed.view()));
         return path.string();
     }
-    TempDir temp_;
-    std::string base_ = write("base.png", 6, {10, 20, 30, 255}, {10, 20, 30, 255});
-    std::string other_ = write("other.png", 6, {10, 20, 30, 255}, {13, 20, 30, 255});
-    std::string wide_ = write("wide.png", 7, {10, 20, 30, 255}, {10, 20, 30, 255});
+    TempDir temp;
+    std::string base = write("base.png", 6, {10, 20, 30, 255}, {10, 20, 30, 255});
+    std::string other = write("other.png", 6, {10, 20, 30, 255}, {13, 20, 30, 255});
+    std::string wide = write("wide.png", 7, {10, 20, 30, 255}, {10, 20, 30, 255});
 };
 
 TEST_F(Compare, Verdicts) {
-    EXPECT_EQ(run({"compare", base_, base_}).exit_code, kExitDone);
-    EXPECT_EQ(run({"compare", base_, other_}).exit_code, kExitDiffer);
-    EXPECT_EQ(run({"compare", base_, other_, "--tolerance", "2"}).exit_code, kExitDiffer);
-    EXPECT_EQ(run({"compare", base_, other_, "--tolerance", "3"}).exit_code, kExitDone);
-    EXPECT_EQ(run({"compare", base_, wide_}).exit_code, kExitFailed);
-    EXPECT_EQ(run({"compare", base_, temp_ / "missing.png"}).exit_code, kExitFailed);
+    EXPECT_EQ(run({"compare", base, base}).exit_code, kExitDone);
+    EXPECT_EQ(run({"compare", base, other}).exit_code, kExitDiffer);
+    EXPECT_EQ(run({"compare", base, other, "--tolerance", "2"}).exit_code, kExitDiffer);
+    EXPECT_EQ(run({"compare", base, other, "--tolerance", "3"}).exit_code, kExitDone);
+    EXPECT_EQ(run({"compare", base, wide}).exit_code, kExitFailed);
+    EXPECT_EQ(run({"compare", base, temp / "missing.png"}).exit_code, kExitFailed);
 }
 
 TEST_F(Compare, JsonAndPictureOfTheDifference) {
-    const std::string out = temp_ / "difference.png";
-    const ProgramResult result = run({"compare", base_, other_, "--json", "--out", out});
+    const std::string out = temp / "difference.png";
+    const ProgramResult result = run({"compare", base, other, "--json", "--out", out});
     EXPECT_EQ(result.exit_code, kExitDiffer);
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json["same"], false);
@@ -151,7 +151,7 @@ TEST_F(Compare, JsonAndPictureOfTheDifference) {
     const auto picture = read_png_rgba8(out);
     ASSERT_TRUE(picture);
     EXPECT_EQ(picture->width(), 6);
-    const auto same = nlohmann::json::parse(run({"compare", base_, base_, "--json"}).out);
+    const auto same = nlohmann::json::parse(run({"compare", base, base, "--json"}).out);
     EXPECT_EQ(same["same"], true);
     EXPECT_TRUE(same["psnr_db"].is_null());
 }

@@ -36,6 +36,7 @@ namespace fs = std::filesystem;
     words.emplace_back(KINO_PROGRAM);
     words.insert(words.end(), call.arguments.begin(), call.arguments.end());
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     execvp(argv[0], argv.data());

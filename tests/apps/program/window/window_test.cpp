@@ -21,14 +21,14 @@ class WindowTest : public testing::Test {
     }
     ProgramResult run(std::vector<std::string> arguments) {
         return test::run_program({.arguments = std::move(arguments),
-                                  .environment = {"XDG_CONFIG_HOME=" + temp_.path().string(),
+                                  .environment = {"XDG_CONFIG_HOME=" + temp.path().string(),
                                                   "KINO_VALIDATION=1", "WAYLAND_DISPLAY"},
                                   .wrapper = {"xvfb-run", "-a", "-s", "-screen 0 1280x800x24"}});
     }
     [[nodiscard]] std::filesystem::path settings_file() const {
-        return temp_ / "kinoscope/settings.json";
+        return temp / "kinoscope/settings.json";
     }
-    TempDir temp_;
+    TempDir temp;
 };
 
 TEST_F(WindowTest, ShowsTheOfficeAndEndsByItself) {
@@ -52,7 +52,7 @@ TEST_F(WindowTest, RemembersSettings) {
 }
 
 TEST_F(WindowTest, DamagedSettingsAreToldAndReplaced) {
-    temp_.write("kinoscope/settings.json", "{\"width\": 1280, \"hei");
+    temp.write("kinoscope/settings.json", "{\"width\": 1280, \"hei");
     const ProgramResult result = run({"replay", test::bundled("office"), "--frames", "3"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_THAT(result.err, HasSubstr("settings.json"));
@@ -60,7 +60,7 @@ TEST_F(WindowTest, DamagedSettingsAreToldAndReplaced) {
 }
 
 TEST_F(WindowTest, SteppedAndSeveralSources) {
-    const auto recording = test::write_tiny_recording(temp_ / "tiny", 4);
+    const auto recording = test::write_tiny_recording(temp / "tiny", 4);
     const ProgramResult result = run({"replay", recording.string(), test::bundled("office"),
                                       "--stepped", "--frames", "12", "--size", "400x300"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
