@@ -199,6 +199,7 @@ class RasterBench {
         const auto reference = test::reference_picture(mesh, view);
         std::vector<Timing> timings;
         const std::vector<int> caps = {1, 2, 3, 4, 8};
+        timings.reserve(caps.size());
         for (const int cap : caps) timings.push_back({fmt::format("{} px", cap), {}});
         LiveDepth live = cloud;
         for (int round = -2; round < (context_.quick() ? 5 : 21); ++round) {
@@ -312,6 +313,7 @@ class RasterBench {
             {"cloud, relit", DepthStyle::cloud, ColorMode::relit},
             {"mesh, relit", DepthStyle::mesh, ColorMode::relit}};
         std::vector<bench::Candidate> candidates;
+        candidates.reserve(kinds.size());
         auto surface = std::make_shared<DepthSurface>(*live.surface);
         for (const Kind& kind : kinds) {
             candidates.push_back({kind.name, [this, kind, surface, &live, &view] {

@@ -20,7 +20,7 @@ double sign_of(int side) {
 
 // `cycles` whole turns a loop, so that everything built from it closes.
 double wave(double t, int cycles, double phase = 0) {
-    return std::sin(kTwoPi * cycles * t / kMotionPeriod_s + phase);
+    return std::sin(kTwoPi * cycles * t / kMotionPeriodS + phase);
 }
 
 double ease(double x) {
@@ -151,7 +151,7 @@ struct Placement {
 template <class Path>
 BodyPose stepping(double t, int strides, double lift_m, const Path& path) {
     BodyPose pose = idle(t);
-    const double stride_s = kMotionPeriod_s / strides;
+    const double stride_s = kMotionPeriodS / strides;
     constexpr double kStance = 0.62;
     const Placement now = path(t);
     pose.place_m = now.place_m;
@@ -197,7 +197,7 @@ BodyPose stepping(double t, int strides, double lift_m, const Path& path) {
 BodyPose walking(double t) {
     // A long ellipse behind the table, walked once a loop.
     return stepping(t, 6, 0.10, [](double at) {
-        const double a = kTwoPi * at / kMotionPeriod_s;
+        const double a = kTwoPi * at / kMotionPeriodS;
         const dvec3 place(1.12 * std::sin(a), 0, -2.95 + 0.42 * std::cos(a));
         const dvec3 speed(1.12 * std::cos(a), 0, -0.42 * std::sin(a));
         // Unwound: the heading turns once per loop, and atan2 alone would jump.
@@ -209,7 +209,7 @@ BodyPose walking(double t) {
 
 BodyPose turning(double t) {
     return stepping(t, 8, 0.06, [](double at) {
-        return Placement{kSpot, kTwoPi * at / kMotionPeriod_s};
+        return Placement{kSpot, kTwoPi * at / kMotionPeriodS};
     });
 }
 
@@ -237,7 +237,7 @@ BodyPose squatting(double t) {
                          glm::normalize(dvec3(s * -0.05, 0.50, 1)),
                          glm::normalize(dvec3(s * -0.05, 0.42, 1)), dvec3(0, -1, 0), 0};
     }
-    const double down = 0.5 - 0.5 * std::cos(kTwoPi * 3 * t / kMotionPeriod_s);
+    const double down = 0.5 - 0.5 * std::cos(kTwoPi * 3 * t / kMotionPeriodS);
     return blend(pose, low, ease(down));
 }
 
@@ -270,7 +270,7 @@ BodyPose dancing(double t) {
         sway.arm[side] = {glm::normalize(dvec3(s * 0.66 + 0.16 * half, 0.62, 0.22)),
                           glm::normalize(dvec3(s * 0.05 + 0.50 * half, 1, 0.15)),
                           glm::normalize(dvec3(0.70 * half, 1, 0.05)), dvec3(-0.2 * s, 0, 1), 0.33};
-        const double angle = kTwoPi * kBeats / 2 * t / kMotionPeriod_s + side * std::numbers::pi;
+        const double angle = kTwoPi * kBeats / 2 * t / kMotionPeriodS + side * std::numbers::pi;
         roll.arm[side] = {glm::normalize(dvec3(s * 0.62, -0.62, 0.52)),
                           glm::normalize(dvec3(-0.80 * s, 0.25 + 0.42 * std::sin(angle),
                                                0.75 + 0.35 * std::cos(angle))),
@@ -337,8 +337,8 @@ std::optional<Motion> motion_from_name(std::string_view name) {
 }
 
 BodyPose pose_at(Motion motion, double t_s) {
-    double t = std::fmod(t_s, kMotionPeriod_s);
-    if (t < 0) t += kMotionPeriod_s;
+    double t = std::fmod(t_s, kMotionPeriodS);
+    if (t < 0) t += kMotionPeriodS;
     switch (motion) {
         case Motion::dance:
             return dancing(t);

@@ -23,13 +23,13 @@ enum class Motion : std::uint8_t {
 };
 
 /// Every motion is a loop of this length whose end is its beginning.
-constexpr double kMotionPeriod_s = 10.0;
+constexpr double kMotionPeriodS = 10.0;
 
 [[nodiscard]] std::string_view motion_name(Motion motion);
 [[nodiscard]] const std::vector<Motion>& all_motions();
 [[nodiscard]] std::optional<Motion> motion_from_name(std::string_view name);
 
-/// The person's pose at time t (any finite value; period kMotionPeriod_s), world space: the world's
+/// The person's pose at time t (any finite value; period kMotionPeriodS), world space: the world's
 /// origin is on the floor below the camera, the person stands about 2.75 m before it.
 [[nodiscard]] BodyPose pose_at(Motion motion, double t_s);
 

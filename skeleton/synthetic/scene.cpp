@@ -14,7 +14,7 @@ namespace {
 using glm::dvec3;
 
 // A joint within this distance behind a surface still counts as seen: it lies inside the flesh.
-constexpr double kJointDepth_m = 0.02;
+constexpr double kJointDepthM = 0.02;
 
 double hit_box(const dvec3& o, const dvec3& d, const dvec3& half, double t_max) {
     double enter = -INFINITY, leave = INFINITY;
@@ -86,7 +86,7 @@ std::vector<Body> SyntheticScene::bodies_at(double t_s) const {
                                 pixel->x < rig.depth.width - 0.5 &&
                                 pixel->y < rig.depth.height - 0.5;
         const dvec3 line = posed.joint_m[i] - world_from_depth.translation;
-        const double reach = 1 - kJointDepth_m / std::max(glm::length(line), kJointDepth_m);
+        const double reach = 1 - kJointDepthM / std::max(glm::length(line), kJointDepthM);
         const bool hidden = first_hit(furniture, world_from_depth.translation, line, reach) < reach;
         const bool tracked = in_picture && !hidden;
         body.joints[i] = {glm::vec3(seen), tracked ? JointState::tracked : JointState::inferred,

@@ -31,16 +31,16 @@ class SyntheticPlayer final : public SyntheticSource {
         info_.streams.push_back({{0, StreamKind::depth},
                                  depth.width,
                                  depth.height,
-                                 kRate_hz,
+                                 kRateHz,
                                  "11-bit Kinect disparity"});
         if (scene_.rig.color) {
             info_.streams.push_back({{0, StreamKind::color},
                                      scene_.rig.color->width,
                                      scene_.rig.color->height,
-                                     kRate_hz,
+                                     kRateHz,
                                      "rgba 8 bit"});
         }
-        info_.streams.push_back({{0, StreamKind::bodies}, 0, 0, kRate_hz, "20 true joints"});
+        info_.streams.push_back({{0, StreamKind::bodies}, 0, 0, kRateHz, "20 true joints"});
     }
 
     const SyntheticScene& scene() const override { return scene_; }
@@ -109,9 +109,9 @@ class SyntheticPlayer final : public SyntheticSource {
 
   private:
     static TimeNs time_at(std::int64_t index) {
-        return from_seconds(static_cast<double>(index) / kRate_hz);
+        return from_seconds(static_cast<double>(index) / kRateHz);
     }
-    static double seconds_at(std::int64_t index) { return static_cast<double>(index) / kRate_hz; }
+    static double seconds_at(std::int64_t index) { return static_cast<double>(index) / kRateHz; }
 
     bool& wanted(StreamKind kind) {
         const auto at = std::find(kKinds.begin(), kKinds.end(), kind);

@@ -36,7 +36,7 @@ struct SyntheticTruth {
 class SyntheticSource : public Source, public Timeline {
   public:
     static constexpr std::int64_t kFrames = 300;
-    static constexpr double kRate_hz = 30;
+    static constexpr double kRateHz = 30;
 
     /// Fails where validate(scene) does, or if a camera's width is not a multiple of 8.
     [[nodiscard]] static Result<std::unique_ptr<SyntheticSource>> create(

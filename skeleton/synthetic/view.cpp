@@ -16,7 +16,7 @@ using glm::dmat3;
 using glm::dvec3;
 
 // Solids that reach nearer than this to the eye's plane may cover any pixel.
-constexpr double kNear_m = 0.02;
+constexpr double kNearM = 0.02;
 
 enum class Place : std::uint8_t { before, behind, around };
 
@@ -26,7 +26,7 @@ Place grow(const dvec3& c, const dmat3& shape, double lo[2], double hi[2], doubl
     const dmat3 s = shape * glm::transpose(shape);
     const double reach = std::sqrt(s[2][2]);
     if (c.z + reach <= 0) return Place::behind;
-    if (c.z - reach < kNear_m) return Place::around;
+    if (c.z - reach < kNearM) return Place::around;
     z_min = std::min(z_min, c.z - reach);
     const double a = c.z * c.z - s[2][2];
     for (int axis = 0; axis < 2; ++axis) {

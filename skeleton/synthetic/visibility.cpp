@@ -58,7 +58,7 @@ Visibility::Visibility(const SyntheticScene& scene, View view, double emitter_x_
                 view_.prepare(p, static_cast<std::int32_t>(i), emitter_x_m));
             furniture_shadow_rects_.push_back(rect);
             k.block(furniture_shadow_.back(), rect, still, static_cast<float>(emitter_x_m),
-                    kShadowMargin_m, 0);
+                    kShadowMarginM, 0);
         }
     }
     z_ = still_z_;
@@ -127,13 +127,13 @@ void Visibility::shadow_person(std::span<const Primitive> person) {
     for (const Primitive& p : person) {
         const raycast::Rect rect = view_.shadow_bounds(p, emitter_x_m_);
         if (!any_pixel(rect)) continue;
-        k.block(view_.prepare(p, 0, emitter_x_m_), rect, target(), emitter_x, kShadowMargin_m, 0);
+        k.block(view_.prepare(p, 0, emitter_x_m_), rect, target(), emitter_x, kShadowMarginM, 0);
         shaded_ = join(shaded_, whole_groups(rect));
     }
     for (std::size_t i = 0; i < furniture_shadow_.size(); ++i) {
         const raycast::Rect rect = intersect(furniture_shadow_rects_[i], person_bounds_);
         if (!any_pixel(rect)) continue;
-        k.block(furniture_shadow_[i], rect, target(), emitter_x, kShadowMargin_m, first_person_id_);
+        k.block(furniture_shadow_[i], rect, target(), emitter_x, kShadowMarginM, first_person_id_);
     }
 }
 

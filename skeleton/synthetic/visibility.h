@@ -38,7 +38,7 @@ class Visibility {
     [[nodiscard]] raycast::Target target();
 
     /// Surfaces this near behind the one that is seen throw no projector shadow on it, metres.
-    static constexpr float kShadowMargin_m = 0.001f;
+    static constexpr float kShadowMarginM = 0.001f;
 
   private:
     void draw_room(const RoomBox& room);

@@ -22,9 +22,9 @@ struct Derivative {
 };
 
 Derivative derivative(const CameraModel& c, const glm::dvec2& p) {
-    constexpr double h = 1e-6;
-    return {(distort(c, p + glm::dvec2(h, 0)) - distort(c, p - glm::dvec2(h, 0))) / (2 * h),
-            (distort(c, p + glm::dvec2(0, h)) - distort(c, p - glm::dvec2(0, h))) / (2 * h)};
+    constexpr double kH = 1e-6;
+    return {(distort(c, p + glm::dvec2(kH, 0)) - distort(c, p - glm::dvec2(kH, 0))) / (2 * kH),
+            (distort(c, p + glm::dvec2(0, kH)) - distort(c, p - glm::dvec2(0, kH))) / (2 * kH)};
 }
 
 // Positive definite: positive trace and determinant of the symmetric 2x2 matrix.

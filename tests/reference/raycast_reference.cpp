@@ -16,8 +16,8 @@ namespace {
 using glm::dvec3;
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kNear_m = 1e-3;
-constexpr double kShadowMargin_m = 1e-3;
+constexpr double kNearM = 1e-3;
+constexpr double kShadowMarginM = 1e-3;
 constexpr std::int32_t kRoomPlanes = 6;
 
 // The ball at fraction s of a round cone's axis, cut by a local ray.
@@ -149,8 +149,7 @@ RayHit cast_ray(const RaycastWorld& world, const dvec3& origin, const dvec3& dir
     RayHit hit = hit_room(world.scene->room, origin, direction);
     if (hit.id >= 0) hit.id += static_cast<std::int32_t>(world.scene->furniture.size());
     for (std::size_t i = 0; i < world.solids.size(); ++i) {
-        const double t =
-            enter_solid(world.solids[i], world.to_local[i], origin, direction, kNear_m);
+        const double t = enter_solid(world.solids[i], world.to_local[i], origin, direction, kNearM);
         if (t < hit.t) hit = {t, world.ids[i]};
     }
     return hit;
@@ -179,9 +178,8 @@ RaycastPicture raycast_depth(const SyntheticScene& scene, double t_s) {
             const dvec3 from_emitter = direction - emitter / hit.t;
             bool lit = true;
             for (std::size_t i = 0; lit && i < world.solids.size(); ++i) {
-                lit =
-                    !(enter_solid(world.solids[i], world.to_local[i], pose * emitter,
-                                  pose.rotation * from_emitter, kNear_m) < hit.t - kShadowMargin_m);
+                lit = !(enter_solid(world.solids[i], world.to_local[i], pose * emitter,
+                                    pose.rotation * from_emitter, kNearM) < hit.t - kShadowMarginM);
             }
             out.lit.at(x, y) = lit ? 1 : 0;
             if (lit) out.raw.at(x, y) = disparity.raw(hit.t);

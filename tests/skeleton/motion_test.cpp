@@ -49,8 +49,8 @@ TEST_P(EveryMotion, IsASeamlessLoopWithoutJumps) {
                 << joint_name(static_cast<Joint>(j)) << " frame " << frame;
         }
     }
-    const PosedBody start = body_at(GetParam(), 0), end = body_at(GetParam(), kMotionPeriod_s);
-    const PosedBody late = body_at(GetParam(), kMotionPeriod_s - 1e-7);
+    const PosedBody start = body_at(GetParam(), 0), end = body_at(GetParam(), kMotionPeriodS);
+    const PosedBody late = body_at(GetParam(), kMotionPeriodS - 1e-7);
     for (std::size_t j = 0; j < kJointCount; ++j) {
         EXPECT_EQ(start.joint_m[j], end.joint_m[j]);
         EXPECT_LT(glm::length(start.joint_m[j] - late.joint_m[j]), 1e-5);

@@ -39,7 +39,7 @@ bool near_change(const Image<T>& image, int x, int y) {
     return false;
 }
 
-constexpr double kDepthBound_m = 2e-4;
+constexpr double kDepthBoundM = 2e-4;
 
 struct Difference {
     int other_id = 0, far_from_edge = 0, depth_off = 0, other_lit = 0, lit_far_from_edge = 0;
@@ -64,12 +64,12 @@ Difference compare(const SyntheticScene& scene, double t_s) {
                 ++out.other_id;
                 // A silhouette, or two surfaces that lie in each other.
                 const double apart = std::abs(fast.z_m().at(x, y) - slow.depth_m.at(x, y));
-                out.far_from_edge += apart > kDepthBound_m && !near_change(slow.id, x, y);
+                out.far_from_edge += apart > kDepthBoundM && !near_change(slow.id, x, y);
                 continue;
             }
             if (slow.id.at(x, y) >= 0) {
                 out.depth_off +=
-                    std::abs(fast.z_m().at(x, y) - slow.depth_m.at(x, y)) > kDepthBound_m;
+                    std::abs(fast.z_m().at(x, y) - slow.depth_m.at(x, y)) > kDepthBoundM;
             }
             if (lit != (slow.lit.at(x, y) != 0)) {
                 ++out.other_lit;

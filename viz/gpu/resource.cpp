@@ -6,7 +6,8 @@
 
 namespace kino::gpu {
 
-Result<Buffer> Buffer::create(Device& device, std::string name, VkDeviceSize bytes, MemoryUse use) {
+Result<Buffer> Buffer::create(Device& device, const std::string& name, VkDeviceSize bytes,
+                              MemoryUse use) {
     KINO_CHECK(bytes > 0);
     Buffer buffer;
     buffer.device_ = &device;
@@ -54,7 +55,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
     return *this;
 }
 
-Result<Texture> Texture::create(Device& device, std::string name, VkExtent2D extent,
+Result<Texture> Texture::create(Device& device, const std::string& name, VkExtent2D extent,
                                 VkFormat format) {
     Texture texture;
     texture.device_ = &device;
@@ -140,9 +141,10 @@ std::uint32_t bytes_per_pixel(VkFormat format) {
         case VK_FORMAT_R32G32B32A32_SFLOAT:
             return 16;
         default:
-            KINO_CHECK(!"a format Kinoscope does not use");
-            return 0;
+            break;
     }
+    KINO_CHECK_EQ(static_cast<int>(format), -1);  // a format Kinoscope does not use
+    return 0;
 }
 
 }  // namespace kino::gpu

@@ -15,8 +15,8 @@ namespace kino::gpu {
 class Buffer {
   public:
     Buffer() = default;
-    [[nodiscard]] static Result<Buffer> create(Device& device, std::string name, VkDeviceSize bytes,
-                                               MemoryUse use);
+    [[nodiscard]] static Result<Buffer> create(Device& device, const std::string& name,
+                                               VkDeviceSize bytes, MemoryUse use);
     ~Buffer();
     Buffer(Buffer&& other) noexcept;
     Buffer& operator=(Buffer&& other) noexcept;
@@ -51,8 +51,8 @@ class Buffer {
 class Texture {
   public:
     Texture() = default;
-    [[nodiscard]] static Result<Texture> create(Device& device, std::string name, VkExtent2D extent,
-                                                VkFormat format);
+    [[nodiscard]] static Result<Texture> create(Device& device, const std::string& name,
+                                                VkExtent2D extent, VkFormat format);
     ~Texture();
     Texture(Texture&& other) noexcept;
     Texture& operator=(Texture&& other) noexcept;

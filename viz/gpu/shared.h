@@ -13,7 +13,7 @@
 #define KINO_SHARED_BEGIN namespace kino::shared {
 #define KINO_SHARED_END }
 namespace kino::shared {
-using uint = std::uint32_t;
+using uint = std::uint32_t;  // NOLINT(readability-identifier-naming): GLSL's name
 using glm::ivec2;
 using glm::mat4;
 using glm::uvec2;

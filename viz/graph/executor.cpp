@@ -237,7 +237,7 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
             for (std::size_t i = next; i < end && !error_; ++i) {
                 const CompiledPass& pass = compiled.passes[i];
                 record_barrier(buffer, graph, pass);
-                PassContext context(*this, graph, compiled, gpu::Commands(device_, buffer));
+                PassContext context(*this, graph, gpu::Commands(device_, buffer));
                 graph.passes()[pass.pass].execute(context);
                 report.passes.push_back(graph.passes()[pass.pass].name);
             }

@@ -36,12 +36,10 @@ class PassContext {
 
   private:
     friend class Executor;
-    PassContext(Executor& executor, const FrameGraph& graph, const CompiledGraph& compiled,
-                gpu::Commands commands)
-        : executor_(executor), graph_(graph), compiled_(compiled), commands_(commands) {}
+    PassContext(Executor& executor, const FrameGraph& graph, gpu::Commands commands)
+        : executor_(executor), graph_(graph), commands_(commands) {}
     Executor& executor_;
     const FrameGraph& graph_;
-    const CompiledGraph& compiled_;
     gpu::Commands commands_;
 };
 
