@@ -45,6 +45,9 @@ constexpr std::uint32_t kResolveMesh[] = {
 constexpr std::uint32_t kResolveColor[] = {
 #include "resolve_color_frag.inc"
 };
+constexpr std::uint32_t kResolveColor64[] = {
+#include "resolve_color64_frag.inc"
+};
 
 constexpr const char* kRasterGroup = "raster";
 constexpr const char* kResolveGroup = "resolve";
@@ -100,7 +103,7 @@ bool carries_color(const SurfaceTargets& targets) {
 }
 
 SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in, BufferId visibility,
-                           bool mesh, SurfaceTargets targets) {
+                           bool mesh, bool key32, SurfaceTargets targets) {
     const bool color_payload = carries_color(targets);
     const char* name = color_payload ? "surface/resolve colours"
                        : mesh        ? "surface/resolve mesh"
@@ -110,12 +113,14 @@ SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in, 
         gpu::PipelineDesc desc;
         desc.name = name;
         desc.vertex = kFullscreen;
-        desc.fragment = color_payload ? std::span<const std::uint32_t>(kResolveColor)
+        desc.fragment = color_payload ? (key32 ? std::span<const std::uint32_t>(kResolveColor)
+                                               : std::span<const std::uint32_t>(kResolveColor64))
                         : mesh        ? std::span<const std::uint32_t>(kResolveMesh)
                                       : std::span<const std::uint32_t>(kResolveCloud);
         desc.bindings.assign(color_payload ? 1 : 5, Binding::storage);
         desc.push_bytes = sizeof(SurfaceParams);
-        desc.constants = {targets.normal.valid() ? 1u : 0u, in.has_color ? 1u : 0u};
+        desc.constants = {targets.normal.valid() ? 1u : 0u, in.has_color ? 1u : 0u,
+                          in.params.fill_holes, color_payload && !key32 ? 1u : 0u};
         desc.color_formats = target_formats(c, targets);
         begin_targets(c, targets, false, nullptr);
         const bool bound =
@@ -192,7 +197,7 @@ SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs
                 c.commands().dispatch(groups_of_64(params.grid.x), params.grid.y);
             });
     });
-    return add_resolve(graph, in, visibility, false, targets);
+    return add_resolve(graph, in, visibility, false, key32, targets);
 }
 
 SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs& in, bool key32,
@@ -258,7 +263,7 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
                 c.commands().dispatch_indirect(c.buffer(large), 0);
             });
     });
-    return add_resolve(graph, in, visibility, true, targets);
+    return add_resolve(graph, in, visibility, true, key32, targets);
 }
 
 }  // namespace kino

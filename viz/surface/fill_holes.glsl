@@ -1,13 +1,15 @@
+layout(constant_id = 2) const uint kFillHoles = 0u;
+
 // The visibility at a pixel; one-pixel holes between splats take their nearest neighbour.
 uvec2 nearest_or_filled(uvec2 at) {
-    uvec2 hit = visibility[at.y * p.target.x + at.x];
+    uvec2 hit = visibility_at(at.y * p.target.x + at.x);
     // A loop whose trip count is data, so covered pixels do not pay for it.
-    int tries = hit.y == KINO_EMPTY && p.fill_holes != 0u ? 9 : 0;
+    int tries = kFillHoles != 0u && hit.y == KINO_EMPTY ? 9 : 0;
     uint around = 0u;
     uvec2 nearest = uvec2(KINO_EMPTY);
     for (int k = 0; k < tries; ++k) {
         ivec2 q = clamp(ivec2(at) + ivec2(k % 3 - 1, k / 3 - 1), ivec2(0), ivec2(p.target) - 1);
-        uvec2 other = visibility[uint(q.y) * p.target.x + uint(q.x)];
+        uvec2 other = visibility_at(uint(q.y) * p.target.x + uint(q.x));
         if (other.y != KINO_EMPTY) ++around;
         if (other.y < nearest.y) nearest = other;
     }

@@ -36,24 +36,32 @@ uint color_at(uint i) {
     return kColorPayload != 0u && kHasColor != 0u ? color[i] : 0u;
 }
 
+// False where nothing of the cell can be on the screen: off to a side, or wholly nearer than the
+// near plane. A cell that crosses the near plane has no bounds yet and passes.
+bool on_screen(vec3 a, vec3 b, vec3 c, vec3 d) {
+    vec2 low = min(min(a.xy, b.xy), min(c.xy, d.xy));
+    vec2 high = max(max(a.xy, b.xy), max(c.xy, d.xy));
+    bool inside = all(lessThan(low, vec2(p.target))) && all(greaterThan(high, vec2(0.0)));
+    float nearest = max(max(a.z, b.z), max(c.z, d.z));
+    float farthest = min(min(a.z, b.z), min(c.z, d.z));
+    return nearest > 0.0 && (inside || farthest <= 0.0);
+}
+
 // A cell's two triangles, (00, 10, 01) and (10, 11, 01), in one walk over the pixels of their
 // common bounds. A pixel centre exactly on an edge belongs to both neighbours: the visibility
 // buffer settles it, and nothing leaks between.
 void raster(uint cell, uint kept, vec3 a, vec3 b, vec3 c, vec3 d, uvec4 colors) {
     vec2 low = min(min(a.xy, b.xy), min(c.xy, d.xy));
     vec2 high = max(max(a.xy, b.xy), max(c.xy, d.xy));
-    float nearest = max(max(a.z, b.z), max(c.z, d.z));
     float farthest = min(min(a.z, b.z), min(c.z, d.z));
-    bool visible = nearest > 0.0 && all(lessThan(low, vec2(p.target))) &&
-                   all(greaterThan(high, vec2(0.0)));
     // Corners nearer than the near plane have no place on the screen: clipped in the other pass.
-    bool crossing = nearest > 0.0 && farthest <= 0.0;
+    bool crossing = farthest <= 0.0;
     // Pixel centres at +0.5. Clamped before the conversion: far outside would not fit an int.
     ivec2 first = ivec2(ceil(clamp(low, vec2(0.0), vec2(p.target)) - 0.5));
     ivec2 last = min(ivec2(floor(clamp(high, vec2(0.0), vec2(p.target)) - 0.5)), ivec2(p.target) - 1);
     ivec2 size = max(last - first + 1, ivec2(0));
-    bool micro = visible && !crossing && size.x * size.y <= KINO_MICRO_LIMIT_PIXELS;
-    bool listed = crossing || (visible && !micro);
+    bool micro = !crossing && size.x * size.y <= KINO_MICRO_LIMIT_PIXELS;
+    bool listed = crossing || !micro;
     for (uint k = 0u; k < (listed ? 2u : 0u); ++k) {
         if ((kept & (1u << k)) != 0u) list(2u * cell + k);
     }
@@ -121,8 +129,10 @@ void main() {
         uvec2 lower_colors = uvec2(color_at(i), color_at(i + 1u));
         uint kept = (keep_triangle(p, upper_left.w, upper_right.w, lower_left.w) ? 1u : 0u) |
                     (keep_triangle(p, upper_right.w, lower_right.w, lower_left.w) ? 2u : 0u);
-        // A loop, not an if: it really skips where no lane has a triangle.
-        for (uint once = 0u; once < min(kept, 1u); ++once) {
+        // A loop, not an if: it really skips where no lane has anything to draw.
+        bool wanted = kept != 0u && on_screen(upper_left.xyz, upper_right.xyz, lower_left.xyz,
+                                              lower_right.xyz);
+        for (uint once = 0u; once < (wanted ? 1u : 0u); ++once) {
             raster(row * cells_x + column, kept, upper_left.xyz, upper_right.xyz, lower_left.xyz,
                    lower_right.xyz, uvec4(upper_colors, lower_colors));
         }
