@@ -102,7 +102,11 @@ void draw_overlay(const OverlayText& t) {
                                   t.errors > 0 ? fmt::format(", {} unreadable", t.errors) : ""));
         row("points", fmt::format("{}", t.points));
         std::string groups;
+        std::vector<std::string> told;
         for (const graph::GroupTime& group : t.groups) {
+            // A group that comes twice in a frame is timed under one name.
+            if (std::find(told.begin(), told.end(), group.group) != told.end()) continue;
+            told.push_back(group.group);
             groups +=
                 fmt::format("{}{}\u00a0{:.1f}", groups.empty() ? "" : ", ", group.group, group.ms);
         }
