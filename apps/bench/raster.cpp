@@ -32,11 +32,15 @@ LiveDepth filled_office(const test::RecordedScene& recorded, int stride) {
     auto rays = std::make_shared<Image<RayXy>>(width, height);
     for (int y = 0; y < height; ++y) {
         float last = 3.0f;
+        Rgba8 last_color{128, 128, 128, 255};
         for (int x = 0; x < width; ++x) {
             const float z = full.depth_m.at(x * stride, y * stride);
             if (z > 0) last = z;
             surface->depth_m.at(x, y) = last;
-            surface->color.at(x, y) = full.color.at(x * stride, y * stride);
+            // Everything has a colour, too, so that colours can be compared everywhere.
+            const Rgba8 color = full.color.at(x * stride, y * stride);
+            if (color.a != 0) last_color = color;
+            surface->color.at(x, y) = last_color;
             rays->at(x, y) = full.rays->at(x * stride, y * stride);
         }
     }

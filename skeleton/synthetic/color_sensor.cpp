@@ -21,7 +21,7 @@ glm::vec3 color_at(const SyntheticScene& scene, const Visibility& seen, const Po
                    int x, int y) {
     const std::int32_t id = seen.id().at(x, y);
     if (id < 0) return glm::vec3(0);
-    const View& view = seen.view();
+    const CastView& view = seen.view();
     const dvec3 point = world_from_view * (dvec3(view.ray_x().at(x, y), view.ray_y().at(x, y), 1) *
                                            static_cast<double>(seen.z_m().at(x, y)));
     const auto solids = static_cast<std::int32_t>(scene.furniture.size());
@@ -33,7 +33,7 @@ glm::vec3 color_at(const SyntheticScene& scene, const Visibility& seen, const Po
 
 ColorSensor::ColorSensor(const SyntheticScene& scene)
     : world_from_depth_(scene.world_from_depth),
-      seen_(scene, View(*scene.rig.color, color_from_world(scene))),
+      seen_(scene, CastView(*scene.rig.color, color_from_world(scene))),
       lights_(lights_for(color_from_world(scene))),
       still_(scene.rig.color->width, scene.rig.color->height),
       floor_x_(scene.rig.color->width, scene.rig.color->height, 1e9f),
@@ -69,7 +69,7 @@ void ColorSensor::paint_room(const SyntheticScene& scene) {
             }
             still_.at(x, y) = to_rgba8(sum);
             if (seen_.part_of(here) != kPartFloor) continue;
-            const View& view = seen_.view();
+            const CastView& view = seen_.view();
             const dvec3 point =
                 world_from_view * (dvec3(view.ray_x().at(x, y), view.ray_y().at(x, y), 1) *
                                    static_cast<double>(seen_.z_m().at(x, y)));

@@ -122,7 +122,8 @@ class SyntheticPlayer final : public SyntheticSource {
     // The still part of each picture is made when a stream is first asked for.
     const Visibility& look(std::int64_t index) {
         if (!depth_view_) {
-            depth_view_.emplace(scene_, View(scene_.rig.depth, inverse(scene_.world_from_depth)),
+            depth_view_.emplace(scene_,
+                                CastView(scene_.rig.depth, inverse(scene_.world_from_depth)),
                                 scene_.emitter_x_m());
         }
         scene_.person_at(seconds_at(index), person_);

@@ -41,7 +41,7 @@ Place grow(const dvec3& c, const dmat3& shape, double lo[2], double hi[2], doubl
 
 }  // namespace
 
-View::View(const CameraModel& camera, const Pose& view_from_world)
+CastView::CastView(const CameraModel& camera, const Pose& view_from_world)
     : view_from_world_(view_from_world),
       ray_x_(camera.width, camera.height),
       ray_y_(camera.width, camera.height) {
@@ -57,8 +57,8 @@ View::View(const CameraModel& camera, const Pose& view_from_world)
     find_extremes();
 }
 
-View View::shifted(double x_px, double y_px) const {
-    View out = *this;
+CastView CastView::shifted(double x_px, double y_px) const {
+    CastView out = *this;
     const auto u = static_cast<float>(x_px), v = static_cast<float>(y_px);
     const auto shift = [&](const Image<float>& from, Image<float>& to) {
         const int right = width() - 1, bottom = height() - 1;
@@ -78,7 +78,7 @@ View View::shifted(double x_px, double y_px) const {
     return out;
 }
 
-void View::find_extremes() {
+void CastView::find_extremes() {
     const float inf = std::numeric_limits<float>::infinity();
     column_max_.assign(static_cast<std::size_t>(width()), -inf);
     column_min_.assign(static_cast<std::size_t>(width()), inf);
@@ -102,7 +102,7 @@ void View::find_extremes() {
     make_monotone(row_max_, row_min_);
 }
 
-raycast::Solid View::prepare(const Primitive& solid, std::int32_t id, double eye_x_m) const {
+raycast::Solid CastView::prepare(const Primitive& solid, std::int32_t id, double eye_x_m) const {
     raycast::Solid out;
     out.kind = solid.kind == Primitive::Kind::box ? raycast::Solid::box
                : solid.height == 0                ? raycast::Solid::ball
@@ -135,7 +135,7 @@ raycast::Solid View::prepare(const Primitive& solid, std::int32_t id, double eye
     return out;
 }
 
-std::optional<View::Outline> View::outline(const Primitive& solid, double eye_x_m) const {
+std::optional<CastView::Outline> CastView::outline(const Primitive& solid, double eye_x_m) const {
     const dmat3 rotation = glm::mat3_cast(view_from_world_.rotation);
     const dmat3 axes = rotation * solid.axes;
     const dvec3 origin = view_from_world_ * solid.origin_m - dvec3(eye_x_m, 0, 0);
@@ -162,7 +162,7 @@ std::optional<View::Outline> View::outline(const Primitive& solid, double eye_x_
     return Outline{lo[0], hi[0], lo[1], hi[1], z_min};
 }
 
-raycast::Rect View::pixels(const Outline& o) const {
+raycast::Rect CastView::pixels(const Outline& o) const {
     // Float rays are rounded; a hair's width keeps the rectangle conservative.
     constexpr float kHair = 1e-5f;
     const auto first = [](const std::vector<float>& max, double at) {
@@ -177,12 +177,12 @@ raycast::Rect View::pixels(const Outline& o) const {
             last(row_min_, o.y1)};
 }
 
-raycast::Rect View::bounds(const Primitive& solid) const {
+raycast::Rect CastView::bounds(const Primitive& solid) const {
     const auto o = outline(solid, 0);
     return o ? pixels(*o) : raycast::Rect{};
 }
 
-raycast::Rect View::shadow_bounds(const Primitive& solid, double eye_x_m) const {
+raycast::Rect CastView::shadow_bounds(const Primitive& solid, double eye_x_m) const {
     auto o = outline(solid, eye_x_m);
     if (!o) return {};
     if (!(o->z_min > 0)) return everything();

@@ -14,14 +14,14 @@ namespace kino {
 
 /// One camera of the synthetic world: its rays, and where a solid can fall on its picture. Widths
 /// must be multiples of 8. Pixels whose distortion has no inverse get the nearest ray that has.
-class View {
+class CastView {
   public:
     /// The camera must pass validate(); `view_from_world` must be a valid pose.
-    View(const CameraModel& camera, const Pose& view_from_world);
+    CastView(const CameraModel& camera, const Pose& view_from_world);
 
     /// The same view with its rays through other points of the pixels, up to half a pixel away: for
     /// several samples a pixel. Rays are interpolated, good to far below the spacing of samples.
-    [[nodiscard]] View shifted(double x_px, double y_px) const;
+    [[nodiscard]] CastView shifted(double x_px, double y_px) const;
 
     [[nodiscard]] int width() const { return ray_x_.width(); }
     [[nodiscard]] int height() const { return ray_x_.height(); }

@@ -31,7 +31,7 @@ raycast::Rect whole_groups(raycast::Rect r) {
 
 }  // namespace
 
-Visibility::Visibility(const SyntheticScene& scene, View view, double emitter_x_m)
+Visibility::Visibility(const SyntheticScene& scene, CastView view, double emitter_x_m)
     : view_(std::move(view)),
       emitter_x_m_(emitter_x_m),
       still_z_(view_.width(), view_.height()),

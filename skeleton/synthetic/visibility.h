@@ -17,12 +17,12 @@ class Visibility {
   public:
     /// `emitter_x_m` > 0 also keeps track of what a projector there (same axes, to the right of the
     /// camera) lights. The scene must pass validate(); it is read here only.
-    Visibility(const SyntheticScene& scene, View view, double emitter_x_m = 0);
+    Visibility(const SyntheticScene& scene, CastView view, double emitter_x_m = 0);
 
     /// Draws the person. `person` must be what the scene gives for one moment.
     void draw(std::span<const Primitive> person);
 
-    [[nodiscard]] const View& view() const { return view_; }
+    [[nodiscard]] const CastView& view() const { return view_; }
     [[nodiscard]] const Image<float>& z_m() const { return z_; }  ///< 0: outside the room
     [[nodiscard]] const Image<std::int32_t>& id() const { return id_; }
     /// -1 where the emitter sees the surface, 0 in its shadow.
@@ -44,7 +44,7 @@ class Visibility {
     void draw_room(const RoomBox& room);
     void shadow_person(std::span<const Primitive> person);
 
-    View view_;
+    CastView view_;
     double emitter_x_m_;
     std::int32_t first_person_id_ = 0;
     std::vector<PartId> parts_;

@@ -20,7 +20,7 @@ SyntheticScene facing_wall(double wall_m) {
 }
 
 Visibility see(const SyntheticScene& scene) {
-    Visibility seen(scene, View(scene.rig.depth, inverse(scene.world_from_depth)),
+    Visibility seen(scene, CastView(scene.rig.depth, inverse(scene.world_from_depth)),
                     scene.emitter_x_m());
     seen.draw({});
     return seen;

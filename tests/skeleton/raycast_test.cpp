@@ -18,7 +18,7 @@ namespace {
 using glm::dvec3;
 
 Visibility see(const SyntheticScene& scene, double t_s) {
-    Visibility seen(scene, View(scene.rig.depth, inverse(scene.world_from_depth)),
+    Visibility seen(scene, CastView(scene.rig.depth, inverse(scene.world_from_depth)),
                     scene.emitter_x_m());
     std::vector<Primitive> person;
     scene.person_at(t_s, person);
@@ -217,7 +217,7 @@ TEST(HardCases, PosesThatAreNotRigidAreRefused) {
 
 TEST(FastPath, DrawsTheSameWhateverWasDrawnBefore) {
     const SyntheticScene scene = make_scene(Motion::walk, 320, 240);
-    Visibility seen(scene, View(scene.rig.depth, inverse(scene.world_from_depth)),
+    Visibility seen(scene, CastView(scene.rig.depth, inverse(scene.world_from_depth)),
                     scene.emitter_x_m());
     std::vector<Primitive> person;
     for (const double t : {0.0, 2.4, 5.1, 9.0}) {
@@ -239,7 +239,7 @@ TEST(Kernels, TheTwinsGiveTheSameBits) {
     if (!wide || &raycast::kernels() != wide) GTEST_SKIP() << "no AVX2 here";
     const raycast::Kernels& plain = raycast::portable_kernels();
     const SyntheticScene scene = bare_scene();
-    const View view(scene.rig.depth, inverse(scene.world_from_depth));
+    const CastView view(scene.rig.depth, inverse(scene.world_from_depth));
     const int n = view.width() * view.height();
     struct Pictures {
         std::vector<float> z;
@@ -332,12 +332,12 @@ TEST(Kernels, TheTwinsMeasureAndDarkenTheSameBits) {
     EXPECT_EQ(rgba_a, rgba_b);
 }
 
-TEST(View, BoundsHoldEveryPixelThatHits) {
+TEST(CastView, BoundsHoldEveryPixelThatHits) {
     test::Random random(3);
     SyntheticScene scene = bare_scene();
     scene.rig.depth.k1 = 0.2;
     scene.rig.depth.p2 = 0.01;
-    const View view(scene.rig.depth, inverse(scene.world_from_depth));
+    const CastView view(scene.rig.depth, inverse(scene.world_from_depth));
     const Pose& pose = scene.world_from_depth;
     int hits = 0;
     for (int round = 0; round < 60; ++round) {

@@ -153,7 +153,7 @@ SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in, 
 BufferId add_normals_pass(graph::FrameGraph& graph, const DepthPassInputs& in) {
     BufferId normals = graph.create_buffer("normals", {grid_count(in.params) * 4});
     graph.add_pass(
-        "surface/normals", kRasterGroup,
+        "surface/normals", "normals",
         [&](PassBuilder& b) {
             b.read(in.depth, Use::compute_read);
             b.read(in.rays, Use::compute_read);
