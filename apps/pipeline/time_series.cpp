@@ -14,4 +14,11 @@ double TimeSeries::quantile_ms(double q) const {
     return to_ms(sorted[std::min(rank, sorted.size()) - 1]);
 }
 
+double TimeSeries::share_within(TimeNs limit) const {
+    if (times_.empty()) return 1;
+    const auto within =
+        std::count_if(times_.begin(), times_.end(), [limit](TimeNs time) { return time <= limit; });
+    return static_cast<double>(within) / static_cast<double>(times_.size());
+}
+
 }  // namespace kino

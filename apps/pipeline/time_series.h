@@ -16,6 +16,9 @@ class TimeSeries {
     [[nodiscard]] double median_ms() const { return quantile_ms(0.5); }
     [[nodiscard]] double p95_ms() const { return quantile_ms(0.95); }
 
+    /// Share of the measured times of at most `limit`; 1 where nothing was measured.
+    [[nodiscard]] double share_within(TimeNs limit) const;
+
   private:
     std::vector<TimeNs> times_;
 };

@@ -325,6 +325,7 @@ void Viewer::draw_panels(const WindowInput& input) {
 }
 
 Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
+    const TimeNs began = now_ns();
     KINO_ASSIGN(const std::optional<PictureTarget> target, window_.begin_picture());
     if (!target) return {};
     const Pose world_from_depth = frame_ ? frame_->set.world_from_depth : world_from_camera_axes();
@@ -356,6 +357,10 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     if (ui_error_) return fail(*std::exchange(ui_error_, std::nullopt));
     KINO_TRY(window_.present());
     ++pictures_;
+    if (frame_) {
+        picture_times_.add(now_ns() - began);
+        if (first_picture_after_ == 0) first_picture_after_ = now_ns() - started_;
+    }
     playing_->picture_shown();
     if (last_picture_ != 0) smooth_rate(pictures_per_s_, now_ns() - last_picture_);
     last_picture_ = now_ns();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/pipeline/time_series.h"
 #include "apps/replay_options.h"
 #include "apps/viewer/keys.h"
 #include "apps/viewer/measure.h"
@@ -29,6 +30,10 @@ class Viewer {
     [[nodiscard]] Result<void> run(const std::string& note);
     /// As the user left them.
     [[nodiscard]] Settings settings() const;
+    /// From the start of each picture to its hand-over to the window system.
+    [[nodiscard]] const TimeSeries& picture_times() const { return picture_times_; }
+    /// From run() to the first picture with a frame in it; 0: there was none.
+    [[nodiscard]] TimeNs first_picture_after() const { return first_picture_after_; }
 
   private:
     Result<void> open(std::size_t index);
@@ -69,6 +74,8 @@ class Viewer {
     FrameResult last_;
     TimeNs started_ = 0;
     std::int64_t pictures_ = 0;
+    TimeSeries picture_times_;
+    TimeNs first_picture_after_ = 0;
     double pictures_per_s_ = 0;
     double frames_per_s_ = 0;
     TimeNs last_picture_ = 0;

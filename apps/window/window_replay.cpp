@@ -30,6 +30,21 @@ Settings wanted_settings(const Settings& remembered, const ReplayOptions& option
     return settings;
 }
 
+/// How the pictures kept up; 33 ms is a sensor's frame at 30 Hz.
+void tell_times(const Viewer& viewer, bool json) {
+    const TimeSeries& times = viewer.picture_times();
+    constexpr TimeNs kSensorFrame = 33 * kNsPerMs;
+    const char* format =
+        json ? "{{\"pictures\": {}, \"ms_median\": {:.2f}, \"ms_p95\": {:.2f}, "
+               "\"ms_p99\": {:.2f}, \"ms_max\": {:.2f}, \"share_within_33_ms\": {:.4f}, "
+               "\"first_picture_ms\": {:.0f}}}\n"
+             : "{} pictures; ms each: median {:.1f}, 95 % {:.1f}, 99 % {:.1f}, longest {:.1f}; "
+               "share within 33 ms {:.3f}; first after {:.0f} ms\n";
+    fmt::print(fmt::runtime(format), times.count(), times.median_ms(), times.p95_ms(),
+               times.quantile_ms(0.99), times.quantile_ms(1), times.share_within(kSensorFrame),
+               to_ms(viewer.first_picture_after()));
+}
+
 int play(const ReplayOptions& options, const LoadedSettings& loaded, const Settings& wanted,
          Window& window, gpu::Device& device) {
     if (const auto attached = window.attach(device); !attached) {
@@ -50,6 +65,7 @@ int play(const ReplayOptions& options, const LoadedSettings& loaded, const Setti
             complain(ran.error());
             code = kExitFailed;
         }
+        tell_times(viewer, options.json);
         if (const auto saved = save_settings(settings_path(), viewer.settings()); !saved) {
             complain(saved.error());
         }
