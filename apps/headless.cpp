@@ -7,7 +7,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -53,17 +52,15 @@ std::int64_t natural_length(const Stepper& stepper) {
     return std::max(round, (kLeastLength + mean - 1) / mean);
 }
 
-/// Which of `frames` pictures are kept as files: first and last, the others evenly between.
-std::set<std::int64_t> chosen_pictures(std::int64_t frames, int most) {
-    std::set<std::int64_t> chosen;
-    if (most < 0 || frames <= most) {
-        for (std::int64_t i = 0; i < frames; ++i) chosen.insert(i);
-    } else if (most == 1) {
-        chosen.insert(0);
-    } else {
-        for (std::int64_t i = 0; i < most; ++i) chosen.insert(i * (frames - 1) / (most - 1));
-    }
-    return chosen;
+/// Whether picture `i` of `frames` is kept as a file: first and last, the others evenly between,
+/// `most` in all; all of them for a negative `most`.
+bool keeps_picture(std::int64_t i, std::int64_t frames, std::int64_t most) {
+    if (most < 0 || frames <= most) return true;
+    if (most < 2) return most == 1 && i == 0;
+    // Small enough that the products below fit.
+    most = std::min<std::int64_t>(most, 1'000'000);
+    const std::int64_t k = (i * (most - 1) + frames - 2) / (frames - 1);
+    return k * (frames - 1) / (most - 1) == i;
 }
 
 class HeadlessRun {
@@ -134,7 +131,6 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
     KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, options_.loop));
     Stepper stepper(std::move(opened));
     const std::int64_t frames = options_.frames.value_or(natural_length(stepper));
-    const std::set<std::int64_t> chosen = chosen_pictures(frames, options_.pictures);
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) return fail("could not be made: " + error.message(), folder.string());
@@ -169,7 +165,8 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
             kNsPerMs,
             static_cast<TimeNs>(static_cast<double>(stepper.duration()) / options_.speed));
         fs::path png;
-        if (chosen.contains(i)) png = folder / fmt::format("frame-{:05}.png", i);
+        if (keeps_picture(i, frames, options_.pictures))
+            png = folder / fmt::format("frame-{:05}.png", i);
         KINO_TRY(keep(drawn.picture, duration, png));
         const StageTimes& times = (*frame)->times;
         source.read.add(times.read);
