@@ -47,6 +47,8 @@ const char* stream_name(StreamKind kind) {
             return "infrared";
         case StreamKind::bodies:
             return "bodies";
+        case StreamKind::motion:
+            return "motion";
     }
     return "unknown";
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "base/camera_model.h"
@@ -14,7 +15,7 @@
 
 namespace kino {
 
-enum class StreamKind : std::uint8_t { depth, color, infrared, bodies };
+enum class StreamKind : std::uint8_t { depth, color, infrared, bodies, motion };
 [[nodiscard]] const char* stream_name(StreamKind kind);
 
 struct StreamId {
@@ -65,13 +66,40 @@ class Timeline {
     virtual Result<void> seek(std::int64_t index) = 0;
 };
 
-/// Device knobs; each getter is empty where the device has no such knob.
+enum class ControlKind : std::uint8_t { range, toggle, menu };
+
+/// One knob of a device, for a slider, a tick box or a list.
+struct Control {
+    std::string id;    ///< "tilt", "led", "white_balance_auto", "exposure": the same on all devices
+    std::string name;  ///< for a person: "tilt, degrees"
+    ControlKind kind = ControlKind::range;
+    double minimum = 0;
+    double maximum = 1;
+    double step = 1;
+    double fallback = 0;            ///< the device's default
+    std::vector<std::string> menu;  ///< names of 0, 1, ... for ControlKind::menu
+};
+
+/// Device knobs. Callable from any thread; a call waits for the device at most a second.
 class Controls {
   public:
     virtual ~Controls() = default;
-    [[nodiscard]] virtual std::optional<double> tilt_deg() const { return std::nullopt; }
-    virtual Result<void> set_tilt_deg(double) { return fail("this device cannot tilt"); }
+    [[nodiscard]] virtual std::vector<Control> list() const = 0;
+    /// Fails for an unknown id, and where the device has gone or refuses.
+    [[nodiscard]] virtual Result<double> get(const std::string& id) = 0;
+    /// As get; a value outside the range is an error and changes nothing.
+    virtual Result<void> set(const std::string& id, double value) = 0;
 };
+
+/// One frame of one stream.
+using StreamFrame =
+    std::variant<std::shared_ptr<const DepthFrame>, std::shared_ptr<const ColorFrame>,
+                 std::shared_ptr<const InfraredFrame>, std::shared_ptr<const BodyFrame>,
+                 std::shared_ptr<const MotionFrame>>;
+
+/// Sees every frame of every subscribed stream in the order in which they were complete, before
+/// pairing: for recorders. Called on the source's own thread; it must not wait long.
+using FrameTap = std::function<void(StreamId, const StreamFrame&)>;
 
 /// Live devices and recordings behind one face: the same frames, events and calibration query.
 /// A source starts with no stream subscribed; an unsubscribed stream costs nothing (its files are
@@ -95,6 +123,10 @@ class Source {
 
     /// Events since the last call, oldest first.
     [[nodiscard]] virtual std::vector<Event> take_events() = 0;
+
+    /// Sets or (empty) removes the tap; on return no call to the former one is under way. False
+    /// where next() already gives every frame there is (recordings): record those.
+    [[nodiscard]] virtual bool set_tap(FrameTap) { return false; }
 
     /// Null where the source cannot do it.
     [[nodiscard]] virtual Timeline* timeline() { return nullptr; }

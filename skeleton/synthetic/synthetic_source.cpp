@@ -60,7 +60,9 @@ class SyntheticPlayer final : public SyntheticSource {
                     info_.uri);
     }
     void unsubscribe(StreamId id) override {
-        if (id.device == 0 && id.kind != StreamKind::infrared) wanted(id.kind) = false;
+        if (id.device == 0 && std::ranges::find(kKinds, id.kind) != kKinds.end()) {
+            wanted(id.kind) = false;
+        }
     }
 
     Result<std::optional<FrameSet>> next(TimeNs) override {
