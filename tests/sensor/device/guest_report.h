@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace kino::guest {
+
+/// What a scenario found, as lines for the host: "= scenario key number" and "! scenario text".
+/// The scenarios measure; the host's test says what must hold.
+class Report {
+  public:
+    explicit Report(std::string scenario) : scenario_(std::move(scenario)) {}
+    void value(const std::string& key, double number) const;
+    /// Something that must not happen at all.
+    void failure(const std::string& text) const;
+
+  private:
+    std::string scenario_;
+};
+
+struct Scenario {
+    std::string name;
+    std::function<void(const Report&)> run;
+};
+
+/// Runs each in a process of its own, so that none can take the others down: a crash or more than
+/// a minute is a failure of that scenario. Between two the virtual bus is empty again.
+void run_scenarios(const std::vector<Scenario>& scenarios);
+
+// Each group of scenarios, in a file of its own.
+[[nodiscard]] std::vector<Scenario> freenect_scenarios();
+[[nodiscard]] std::vector<Scenario> gspca_scenarios();
+[[nodiscard]] std::vector<Scenario> vivid_scenarios();
+
+}  // namespace kino::guest
