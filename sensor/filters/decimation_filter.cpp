@@ -1,0 +1,90 @@
+#include "sensor/filters/decimation_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace kino {
+namespace {
+
+// Blocks are small: insertion beats anything clever.
+void sort(float* values, int count) {
+    for (int i = 1; i < count; ++i) {
+        const float value = values[i];
+        int place = i;
+        for (; place > 0 && values[place - 1] > value; --place) values[place] = values[place - 1];
+        values[place] = value;
+    }
+}
+
+}  // namespace
+
+std::span<const filters::Setting<DecimationParameters>> DecimationParameters::settings() {
+    using P = DecimationParameters;
+    static constexpr std::array kSettings = {
+        filters::setting<&P::factor>("factor", 1, 8, "pixels a side that become one"),
+        filters::setting<&P::steps>("steps", 0, 50,
+                                    "farthest from the block's median, steps of 0.00307 1/m"),
+        filters::setting<&P::readings>("readings", 1, 64, "that a block must hold"),
+    };
+    return kSettings;
+}
+
+Result<std::unique_ptr<DecimationFilter>> DecimationFilter::create(
+    const DecimationParameters& parameters, FilterOptions) {
+    KINO_TRY(filters::check_settings("decimate", parameters));
+    return std::unique_ptr<DecimationFilter>(new DecimationFilter(parameters));
+}
+
+DecimationFilter::DecimationFilter(const DecimationParameters& parameters)
+    : parameters_(parameters), threshold_(static_cast<float>(parameters.steps * kKinectStepPerM)) {}
+
+float DecimationFilter::reduce(float* readings, int count) const {
+    if (count < parameters_.readings) return 0;
+    sort(readings, count);
+    const float median = readings[(count - 1) / 2];
+    float sum = 0;
+    float used = 0;
+    for (int i = 0; i < count; ++i) {
+        const float difference = (median - readings[i]) / (median * readings[i]);
+        const bool near = std::abs(difference) <= threshold_;
+        sum += near ? difference : 0.0f;
+        used += near ? 1.0f : 0.0f;
+    }
+    return median / (1.0f + (sum / used) * median);
+}
+
+void DecimationFilter::apply(const Image<float>& in, Image<float>& out) {
+    const int factor = parameters_.factor;
+    out.resize((in.width() + factor - 1) / factor, (in.height() + factor - 1) / factor);
+    std::array<float, 64> readings;
+    for (int y = 0; y < out.height(); ++y) {
+        const int last_row = std::min((y + 1) * factor, in.height());
+        for (int x = 0; x < out.width(); ++x) {
+            const int last = std::min((x + 1) * factor, in.width());
+            int count = 0;
+            for (int v = y * factor; v < last_row; ++v) {
+                const float* row = in.row(v);
+                for (int u = x * factor; u < last; ++u) {
+                    readings[static_cast<std::size_t>(count)] = row[u];
+                    count += is_reading(row[u]) ? 1 : 0;
+                }
+            }
+            out.at(x, y) = reduce(readings.data(), count);
+        }
+    }
+}
+
+CameraModel decimated(const CameraModel& camera, int factor) {
+    CameraModel out = camera;
+    const double centre = (factor - 1) / 2.0;
+    out.width = (camera.width + factor - 1) / factor;
+    out.height = (camera.height + factor - 1) / factor;
+    out.fx /= factor;
+    out.fy /= factor;
+    out.cx = (camera.cx - centre) / factor;
+    out.cy = (camera.cy - centre) / factor;
+    return out;
+}
+
+}  // namespace kino
