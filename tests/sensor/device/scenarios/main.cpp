@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "tests/sensor/device/guest_report.h"
+#include "tests/sensor/device/scenarios/report.h"
 
 int main(int argc, char** argv) {
     using namespace kino::guest;
     std::vector<Scenario> wanted;
-    for (auto* group : {freenect_scenarios}) {
+    for (auto* group : {freenect_scenarios, gspca_scenarios, vivid_scenarios}) {
         for (Scenario& scenario : group()) {
             const bool named = std::any_of(argv + 1, argv + argc, [&](const char* begin) {
                 return scenario.name.starts_with(begin);

@@ -1,4 +1,4 @@
-#include "tests/sensor/device/guest_report.h"
+#include "tests/sensor/device/scenarios/report.h"
 
 #include <fmt/format.h>
 #include <sys/wait.h>
@@ -14,7 +14,7 @@
 namespace kino::guest {
 namespace {
 
-constexpr unsigned kSecondsAtMost = 60;
+constexpr unsigned kSecondsAtMost = 120;
 
 void say(const std::string& line) {
     std::fputs(line.c_str(), stdout);

@@ -1,4 +1,4 @@
-#include "tests/sensor/device/guest_truth.h"
+#include "tests/sensor/device/scenarios/truth.h"
 
 #include <algorithm>
 

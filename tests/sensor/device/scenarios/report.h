@@ -25,7 +25,7 @@ struct Scenario {
 };
 
 /// Runs each in a process of its own, so that none can take the others down: a crash or more than
-/// a minute is a failure of that scenario. Between two the virtual bus is empty again.
+/// two minutes is a failure of that scenario. Between two the virtual bus is empty again.
 void run_scenarios(const std::vector<Scenario>& scenarios);
 
 // Each group of scenarios, in a file of its own.

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "tests/sensor/device/fake_kinect/fake_kinect.h"
-#include "tests/sensor/device/guest_report.h"
-#include "tests/sensor/device/guest_truth.h"
+#include "tests/sensor/device/scenarios/report.h"
+#include "tests/sensor/device/scenarios/truth.h"
 
 namespace kino::guest {
 namespace {
@@ -84,13 +84,21 @@ class Library {
         freenect_stop_depth(device_);
         freenect_stop_video(device_);
     }
-    /// Until so many frames have come, 20 s have passed, or the library gives up (false).
+    /// Until so many frames have come, none comes any more, or the library gives up (false). Not
+    /// by the clock alone: the whole guest may have been held up.
     bool pump(std::size_t depth_frames, std::size_t video_frames) {
-        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-        while (std::chrono::steady_clock::now() < end &&
-               (caught.depth.size() < depth_frames || caught.video.size() < video_frames)) {
+        int idle_rounds = 0;
+        auto last_frame = std::chrono::steady_clock::now();
+        while ((caught.depth.size() < depth_frames || caught.video.size() < video_frames) &&
+               (idle_rounds < 200 ||
+                std::chrono::steady_clock::now() < last_frame + std::chrono::seconds(10))) {
+            const std::size_t before = caught.depth.size() + caught.video.size();
             timeval wait{.tv_sec = 0, .tv_usec = 200'000};
             if (freenect_process_events_timeout(context_, &wait) < 0) return false;
+            ++idle_rounds;
+            if (caught.depth.size() + caught.video.size() == before) continue;
+            idle_rounds = 0;
+            last_frame = std::chrono::steady_clock::now();
         }
         return true;
     }
