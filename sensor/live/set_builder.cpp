@@ -99,10 +99,12 @@ bool SetBuilder::awaits_partner(const Leading& leading) const {
         if (!follows || (!s.kept.empty() && s.kept.back().time >= leading.time)) return false;
         if (!options_.foresee || s.kept.size() < 3) return true;
         const TimeNs age = leading.time - s.kept.back().time;
-        const TimeNs period =
-            (s.kept.back().time - s.kept.front().time) / static_cast<TimeNs>(s.kept.size() - 1);
-        // Over there: it has stopped or stands behind by more than one frame.
-        return age <= 2 * period && period - age <= age;
+        // Of the last two distances one may hold a frame that was lost.
+        const auto last = s.kept.rbegin();
+        const TimeNs period = std::min(last[0].time - last[1].time, last[1].time - last[2].time);
+        // A stream that is behind by more than a frame has stopped and holds nothing up.
+        // A sixteenth of the period is left to jitter.
+        return age <= 2 * period && period - age <= age + period / 16;
     });
 }
 

@@ -1,5 +1,7 @@
 #include "fake_device.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -82,6 +84,8 @@ class FakeBus::Device final : public LiveDevice, public Controls {
         if (!core_->plugged) return fail("no such device", info_.uri);
         if (id != "tilt" && id != "led") return fail("no such control", info_.uri);
         core_->settings[id] = value;
+        const std::lock_guard bus_lock(bus_.log_mutex_);
+        bus_.settings_made_.push_back(fmt::format("{} {}", id, value));
         return {};
     }
 
@@ -243,6 +247,16 @@ double FakeBus::setting(const std::string& serial, const std::string& id) const 
     if (!c) return 0;
     const std::lock_guard lock(c->mutex);
     return c->settings[id];
+}
+
+std::vector<std::string> FakeBus::settings_made() const {
+    const std::lock_guard lock(log_mutex_);
+    return settings_made_;
+}
+
+void FakeBus::forget_settings() {
+    const std::lock_guard lock(log_mutex_);
+    settings_made_.clear();
 }
 
 StreamFrame fake_frame(StreamKind kind, std::int64_t sequence, TimeNs host_time,

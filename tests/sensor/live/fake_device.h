@@ -47,6 +47,10 @@ class FakeBus {
     /// Value of a control of the unit as opened now or last; each opening starts at 0.
     [[nodiscard]] double setting(const std::string& serial, const std::string& id) const;
 
+    /// "tilt 5": every successful set() since forget_settings(), of all units.
+    [[nodiscard]] std::vector<std::string> settings_made() const;
+    void forget_settings();
+
   private:
     struct Core;
     class Device;
@@ -62,6 +66,8 @@ class FakeBus {
     std::function<void(StreamId)> on_start_;
     std::function<void()> on_set_;
     std::vector<StreamKind> refused_;
+    mutable std::mutex log_mutex_;
+    std::vector<std::string> settings_made_;
     std::atomic<bool> deaf_{false};
     std::atomic<int> open_devices_{0};
     std::atomic<int> openings_{0};

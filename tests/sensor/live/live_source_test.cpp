@@ -2,85 +2,19 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <mutex>
-#include <optional>
+#include <atomic>
+#include <future>
 #include <thread>
 #include <vector>
 
-#include "fake_device.h"
+#include "live_source_fixture.h"
 
 namespace kino {
 namespace {
 
-using test::fake_frame;
-using test::FakeBus;
-using test::header_of;
+using namespace test;
 
-constexpr StreamId kDepth{0, StreamKind::depth};
-constexpr StreamId kColor{0, StreamKind::color};
-constexpr TimeNs kPeriod = kNsPerSecond / 30;
-
-LiveOptions options_for(FakeBus& bus) {
-    LiveOptions options;
-    options.watch = [&bus] { return bus.watch(); };
-    options.first_look = kNsPerMs;
-    options.slowest_look = 20 * kNsPerMs;
-    options.sets.waiting_sets = 1000;
-    options.sets.history = 1000;
-    return options;
-}
-
-/// Everything the tap saw.
-class Tapped {
-  public:
-    explicit Tapped(Source& source) : source_(source) {
-        EXPECT_TRUE(source.set_tap([this](StreamId id, const StreamFrame& frame) {
-            const std::lock_guard lock(mutex_);
-            frames_.emplace_back(id, header_of(frame));
-        }));
-    }
-    ~Tapped() { EXPECT_TRUE(source_.set_tap({})); }
-    std::vector<FrameHeader> of(StreamKind kind) const {
-        const std::lock_guard lock(mutex_);
-        std::vector<FrameHeader> headers;
-        for (const auto& [id, header] : frames_) {
-            if (id.kind == kind) headers.push_back(header);
-        }
-        return headers;
-    }
-
-  private:
-    Source& source_;
-    mutable std::mutex mutex_;
-    std::vector<std::pair<StreamId, FrameHeader>> frames_;
-};
-
-/// Waits for something that another thread is about to do.
-template <class Condition>
-bool eventually(Condition condition) {
-    const TimeNs until = now_ns() + 60 * kNsPerSecond;
-    while (!condition()) {
-        if (now_ns() > until) return false;
-        std::this_thread::sleep_for(std::chrono::microseconds(200));
-    }
-    return true;
-}
-
-std::vector<EventKind> kinds(const std::vector<Event>& events) {
-    std::vector<EventKind> result;
-    for (const Event& event : events) result.push_back(event.kind);
-    return result;
-}
-
-struct LiveSourceTest : testing::Test {
-    std::unique_ptr<LiveSource> open(const std::string& address = "A") {
-        auto source = make_live_source(bus.driver(), address, options_for(bus));
-        EXPECT_TRUE(source) << source.error().to_string();
-        return source ? std::move(*source) : nullptr;
-    }
-    FakeBus bus;
-};
+using LiveSourceTest = LiveSourceFixture;
 
 TEST_F(LiveSourceTest, EveryFrameReachesTheTapOnceAndInOrder) {
     bus.plug("A");
@@ -106,7 +40,7 @@ TEST_F(LiveSourceTest, EveryFrameReachesTheTapOnceAndInOrder) {
 }
 
 TEST_F(LiveSourceTest, ADeviceThatIsNotThereIsAnError) {
-    EXPECT_FALSE(make_live_source(bus.driver(), "A", options_for(bus)));
+    EXPECT_FALSE(make_live_source(bus.driver(), "A", options()));
     EXPECT_EQ(bus.open_devices(), 0);
 }
 
@@ -161,6 +95,210 @@ TEST_F(LiveSourceTest, ComesBackByItselfAndEverythingGoesOnRising) {
         EXPECT_EQ((*set)->depth->header.sequence, i);
     }
     EXPECT_FALSE(*source->next(0));
+}
+
+TEST_F(LiveSourceTest, OnlyTheSameUnitBringsItBack) {
+    bus.plug("A");
+    // A driver that opens whatever there is: the source itself must look at the serial.
+    DeviceDriver careless = bus.driver();
+    careless.open = [any = careless.open](const std::string&) { return any(""); };
+    auto source = *make_live_source(careless, "A", options());
+    ASSERT_TRUE(source->subscribe(kDepth));
+    bus.unplug("A");
+    ASSERT_TRUE(away(*source));
+    const int before = bus.openings();
+    bus.plug("B");
+    ASSERT_TRUE(eventually([&] { return bus.openings() >= before + 3; }));
+    EXPECT_FALSE(source->stats().present);
+    EXPECT_FALSE(bus.running("B", StreamKind::depth));
+    EXPECT_NE(source->stats().trouble, "");
+    EXPECT_EQ(kinds(source->take_events()), (std::vector{EventKind::started, EventKind::lost}));
+    bus.unplug("B");
+    bus.plug("A");
+    ASSERT_TRUE(present(*source));
+    EXPECT_EQ(source->stats().trouble, "");
+    EXPECT_EQ(kinds(source->take_events()), std::vector{EventKind::back});
+    EXPECT_EQ(bus.open_devices(), 1);
+}
+
+TEST_F(LiveSourceTest, IsFoundByLookingWhereNothingWatches) {
+    bus.make_watches_deaf();
+    bus.plug("A");
+    const auto source = open();
+    ASSERT_TRUE(source->subscribe(kDepth));
+    bus.unplug("A");
+    ASSERT_TRUE(away(*source));
+    bus.plug("A");
+    EXPECT_TRUE(present(*source));
+}
+
+TEST_F(LiveSourceTest, ASubscriptionMadeWhileItIsAwayIsKept) {
+    bus.plug("A");
+    const auto source = open();
+    ASSERT_TRUE(source->subscribe(kDepth));
+    bus.unplug("A");
+    ASSERT_TRUE(away(*source));
+    EXPECT_TRUE(source->subscribe(kColor));
+    source->unsubscribe(kDepth);
+    bus.plug("A");
+    ASSERT_TRUE(present(*source));
+    EXPECT_TRUE(bus.running("A", StreamKind::color));
+    EXPECT_FALSE(bus.running("A", StreamKind::depth));
+}
+
+TEST_F(LiveSourceTest, UnpluggedDuringAStart) {
+    bus.plug("A");
+    const auto source = open();
+    ASSERT_TRUE(source->subscribe(kDepth));
+    bus.on_start([this](StreamId) {
+        bus.on_start({});
+        bus.unplug("A");
+    });
+    EXPECT_TRUE(source->subscribe(kColor));
+    ASSERT_TRUE(away(*source));
+    bus.plug("A");
+    ASSERT_TRUE(present(*source));
+    EXPECT_TRUE(bus.running("A", StreamKind::depth));
+    EXPECT_TRUE(bus.running("A", StreamKind::color));
+    EXPECT_EQ(kinds(source->take_events()),
+              (std::vector{EventKind::started, EventKind::lost, EventKind::back}));
+}
+
+TEST_F(LiveSourceTest, UnpluggedDuringTheRestartIsToldOnceOnly) {
+    bus.plug("A");
+    const auto source = open();
+    ASSERT_TRUE(source->subscribe(kDepth));
+    ASSERT_TRUE(source->subscribe(kColor));
+    bus.unplug("A");
+    ASSERT_TRUE(away(*source));
+    std::atomic<int> starts = 0;
+    bus.on_start([&](StreamId) {
+        // The second stream of the first two restarts.
+        if (const int n = ++starts; n == 2 || n == 4) {
+            bus.unplug("A");
+            bus.plug("A");
+        }
+    });
+    bus.plug("A");
+    ASSERT_TRUE(eventually([&] { return starts >= 6 && source->stats().present; }));
+    EXPECT_EQ(kinds(source->take_events()),
+              (std::vector{EventKind::started, EventKind::lost, EventKind::back}));
+    EXPECT_EQ(bus.open_devices(), 1);
+}
+
+TEST_F(LiveSourceTest, OneThatWasUnpluggedWhileNoStreamRanIsMissedAtTheNextStart) {
+    bus.plug("A");
+    const auto source = open();
+    bus.unplug("A");
+    EXPECT_TRUE(source->subscribe(kDepth));
+    EXPECT_FALSE(source->stats().present);
+    bus.plug("A");
+    ASSERT_TRUE(present(*source));
+    EXPECT_TRUE(bus.running("A", StreamKind::depth));
+    EXPECT_EQ(kinds(source->take_events()),
+              (std::vector{EventKind::started, EventKind::lost, EventKind::back}));
+}
+
+TEST_F(LiveSourceTest, OneThatWentAndCameWhileNoStreamRanIsOpenedAnew) {
+    bus.plug("A");
+    const auto source = open();
+    const Tapped tapped(*source);
+    bus.unplug("A");
+    bus.plug("A");
+    ASSERT_TRUE(source->subscribe(kDepth));
+    EXPECT_TRUE(bus.put("A", StreamKind::depth, fake_frame(StreamKind::depth, 0, 1)));
+    EXPECT_EQ(tapped.of(StreamKind::depth).size(), 1u);
+    EXPECT_EQ(bus.open_devices(), 1);
+}
+
+TEST_F(LiveSourceTest, ARefusedStreamIsAnErrorAndTheOthersGoOn) {
+    bus.plug("A");
+    const auto source = open();
+    bus.refuse(StreamKind::color, true);
+    ASSERT_TRUE(source->subscribe(kDepth));
+    EXPECT_FALSE(source->subscribe(kColor));
+    EXPECT_TRUE(bus.put("A", StreamKind::depth, fake_frame(StreamKind::depth, 0, 1)));
+    // Nothing waits for colour.
+    const auto set = source->next(0);
+    ASSERT_TRUE(set && *set);
+    bus.refuse(StreamKind::color, false);
+    EXPECT_TRUE(source->subscribe(kColor));
+}
+
+TEST_F(LiveSourceTest, AStreamThatIsRefusedAfterTheReturnIsTriedUntilItRuns) {
+    bus.plug("A");
+    const auto source = open();
+    ASSERT_TRUE(source->subscribe(kDepth));
+    bus.unplug("A");
+    ASSERT_TRUE(away(*source));
+    bus.refuse(StreamKind::depth, true);
+    const int before = bus.openings();
+    bus.plug("A");
+    ASSERT_TRUE(eventually([&] { return bus.openings() >= before + 3; }));
+    EXPECT_FALSE(source->stats().present);
+    EXPECT_NE(source->stats().trouble.find("refused"), std::string::npos);
+    bus.refuse(StreamKind::depth, false);
+    ASSERT_TRUE(present(*source));
+    EXPECT_EQ(kinds(source->take_events()),
+              (std::vector{EventKind::started, EventKind::lost, EventKind::back}));
+}
+
+TEST_F(LiveSourceTest, SettingsComeBackInTheOrderInWhichTheyWereMade) {
+    bus.plug("A");
+    const auto source = open();
+    ASSERT_TRUE(source->subscribe(kDepth));
+    ASSERT_TRUE(source->controls()->set("tilt", 5));
+    ASSERT_TRUE(source->controls()->set("led", 2));
+    ASSERT_TRUE(source->controls()->set("tilt", 7));
+    EXPECT_FALSE(source->controls()->set("none", 1));
+    EXPECT_EQ(source->controls()->list().size(), 2u);
+    bus.forget_settings();
+    bus.unplug("A");
+    ASSERT_TRUE(away(*source));
+    bus.plug("A");
+    ASSERT_TRUE(present(*source));
+    EXPECT_EQ(bus.settings_made(), (std::vector<std::string>{"led 2", "tilt 7"}));
+    EXPECT_EQ(*source->controls()->get("tilt"), 7);
+}
+
+TEST_F(LiveSourceTest, AControlDoesNotWaitForADeviceThatHangs) {
+    bus.plug("A");
+    LiveOptions impatient = options();
+    impatient.control_timeout = 10 * kNsPerMs;
+    std::promise<void> release;
+    const auto source = open(impatient);
+    bus.on_set([released = release.get_future().share()] { released.wait(); });
+    EXPECT_FALSE(source->controls()->set("tilt", 5));
+    EXPECT_FALSE(source->controls()->set("led", 3));
+    bus.on_set({});
+    release.set_value();
+    // The one that was under way still counts, the one that had not begun was called off.
+    ASSERT_TRUE(eventually([&] { return bus.setting("A", "tilt") == 5; }));
+    ASSERT_TRUE(eventually([&] { return source->controls()->get("led").has_value(); }));
+    EXPECT_EQ(bus.setting("A", "led"), 0);
+}
+
+TEST_F(LiveSourceTest, CalibrationIsKnownWhileTheDeviceIsAway) {
+    bus.plug("A");
+    const auto source = open();
+    ASSERT_TRUE(source->subscribe(kDepth));
+    EXPECT_EQ(source->calibration()->serial, "A");
+    bus.unplug("A");
+    ASSERT_TRUE(away(*source));
+    EXPECT_EQ(source->calibration()->serial, "A");
+    EXPECT_EQ(source->info().serial, "A");
+}
+
+TEST_F(LiveSourceTest, TheOpenerTakesItsSchemeAndListsWhatIsThere) {
+    bus.plug("A");
+    bus.plug("B");
+    const SourceOpener opener = live_opener(bus.driver());
+    EXPECT_TRUE(opener.probe("fake:"));
+    EXPECT_FALSE(opener.probe("fakes:A"));
+    EXPECT_EQ(opener.list(), (std::vector<std::string>{"fake:A", "fake:B"}));
+    const auto source = opener.open("fake:B");
+    ASSERT_TRUE(source);
+    EXPECT_EQ((*source)->info().serial, "B");
 }
 
 }  // namespace
