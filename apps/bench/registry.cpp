@@ -9,6 +9,10 @@ void no_entry(BenchContext&) {}
 
 // The last one only keeps the array from being empty in a build without entries.
 constexpr Entry kEntries[] = {
+#ifdef KINO_BENCH_FILTERS
+    {"filters", "depth filters against synthetic truth, real frames and librealsense's defaults",
+     &bench_filters},
+#endif
 #ifdef KINO_BENCH_RASTER
     {"raster", "drawing paths against the hardware path and the double-precision rasteriser",
      &bench_raster},

@@ -31,13 +31,15 @@ std::span<const filters::Setting<DecimationParameters>> DecimationParameters::se
 }
 
 Result<std::unique_ptr<DecimationFilter>> DecimationFilter::create(
-    const DecimationParameters& parameters, FilterOptions) {
+    const DecimationParameters& parameters, FilterOptions options) {
     KINO_TRY(filters::check_settings("decimate", parameters));
-    return std::unique_ptr<DecimationFilter>(new DecimationFilter(parameters));
+    return std::unique_ptr<DecimationFilter>(new DecimationFilter(parameters, options));
 }
 
-DecimationFilter::DecimationFilter(const DecimationParameters& parameters)
-    : parameters_(parameters), threshold_(static_cast<float>(parameters.steps * kKinectStepPerM)) {}
+DecimationFilter::DecimationFilter(const DecimationParameters& parameters, FilterOptions options)
+    : parameters_(parameters),
+      run_(filters::choose(options.simd)),
+      threshold_(static_cast<float>(parameters.steps * kKinectStepPerM)) {}
 
 float DecimationFilter::reduce(float* readings, int count) const {
     if (count < parameters_.readings) return 0;
@@ -54,24 +56,35 @@ float DecimationFilter::reduce(float* readings, int count) const {
     return median / (1.0f + (sum / used) * median);
 }
 
+float DecimationFilter::block(const Image<float>& in, int x, int y) const {
+    const int factor = parameters_.factor;
+    const int last_row = std::min((y + 1) * factor, in.height());
+    const int last = std::min((x + 1) * factor, in.width());
+    std::array<float, 64> readings;
+    int count = 0;
+    for (int v = y * factor; v < last_row; ++v) {
+        const float* row = in.row(v);
+        for (int u = x * factor; u < last; ++u) {
+            readings[static_cast<std::size_t>(count)] = row[u];
+            count += is_reading(row[u]) ? 1 : 0;
+        }
+    }
+    return reduce(readings.data(), count);
+}
+
 void DecimationFilter::apply(const Image<float>& in, Image<float>& out) {
     const int factor = parameters_.factor;
     out.resize((in.width() + factor - 1) / factor, (in.height() + factor - 1) / factor);
-    std::array<float, 64> readings;
+    const filters::Halve halve = {threshold_, parameters_.readings};
+    const int whole_rows = in.height() / factor;
     for (int y = 0; y < out.height(); ++y) {
-        const int last_row = std::min((y + 1) * factor, in.height());
-        for (int x = 0; x < out.width(); ++x) {
-            const int last = std::min((x + 1) * factor, in.width());
-            int count = 0;
-            for (int v = y * factor; v < last_row; ++v) {
-                const float* row = in.row(v);
-                for (int u = x * factor; u < last; ++u) {
-                    readings[static_cast<std::size_t>(count)] = row[u];
-                    count += is_reading(row[u]) ? 1 : 0;
-                }
-            }
-            out.at(x, y) = reduce(readings.data(), count);
+        int x = 0;
+        if (factor == 2 && y < whole_rows) {
+            x = in.width() / 2;
+            run_.halve(halve, in.row(2 * y), in.row(2 * y + 1), static_cast<std::size_t>(x),
+                       out.row(y));
         }
+        for (; x < out.width(); ++x) out.at(x, y) = block(in, x, y);
     }
 }
 

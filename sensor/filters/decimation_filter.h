@@ -2,11 +2,11 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "base/camera_model.h"
 #include "base/error.h"
 #include "sensor/filters/depth_filter.h"
+#include "sensor/filters/filter_kernel.h"
 #include "sensor/filters/filter_settings.h"
 
 namespace kino {
@@ -33,10 +33,12 @@ class DecimationFilter : public DepthFilter {
     [[nodiscard]] int reduction() const override { return parameters_.factor; }
 
   private:
-    explicit DecimationFilter(const DecimationParameters& parameters);
+    DecimationFilter(const DecimationParameters& parameters, FilterOptions options);
     [[nodiscard]] float reduce(float* readings, int count) const;
+    [[nodiscard]] float block(const Image<float>& in, int x, int y) const;
 
     DecimationParameters parameters_;
+    const filters::Functions& run_;
     float threshold_;
 };
 

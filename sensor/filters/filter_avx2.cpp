@@ -176,9 +176,67 @@ void classify(const float* z, std::size_t n, float* out, std::uint64_t* bits) {
     kPortable.classify(z + end, n - end, out + end, bits + end / 64);
 }
 
+// Elements 0, 2, 4 ... or 1, 3, 5 ... of sixteen.
+__m256 evens(__m256 a, __m256 b) {
+    return _mm256_castpd_ps(
+        _mm256_permute4x64_pd(_mm256_castps_pd(_mm256_shuffle_ps(a, b, 0x88)), 0xD8));
+}
+__m256 odds(__m256 a, __m256 b) {
+    return _mm256_castpd_ps(
+        _mm256_permute4x64_pd(_mm256_castps_pd(_mm256_shuffle_ps(a, b, 0xDD)), 0xD8));
+}
+
+void order(__m256& a, __m256& b) {
+    const __m256 low = _mm256_min_ps(a, b);
+    b = _mm256_max_ps(a, b);
+    a = low;
+}
+
+void halve(const Halve& h, const float* upper, const float* lower, std::size_t n, float* out) {
+    const __m256 one = all(1.0f);
+    const __m256 zero = _mm256_setzero_ps();
+    const __m256 empty = all(__builtin_inff());
+    const std::size_t end = whole_eights(n);
+    for (std::size_t i = 0; i < end; i += 8) {
+        const __m256 upper_a = _mm256_loadu_ps(upper + 2 * i);
+        const __m256 upper_b = _mm256_loadu_ps(upper + 2 * i + 8);
+        const __m256 lower_a = _mm256_loadu_ps(lower + 2 * i);
+        const __m256 lower_b = _mm256_loadu_ps(lower + 2 * i + 8);
+        __m256 z[4] = {evens(upper_a, upper_b), odds(upper_a, upper_b), evens(lower_a, lower_b),
+                       odds(lower_a, lower_b)};
+        __m256i count = _mm256_setzero_si256();
+        for (__m256& value : z) {
+            const __m256 reading = is_reading(value);
+            count = _mm256_sub_epi32(count, _mm256_castps_si256(reading));
+            value = _mm256_blendv_ps(empty, value, reading);
+        }
+        order(z[0], z[1]);
+        order(z[2], z[3]);
+        order(z[0], z[2]);
+        order(z[1], z[3]);
+        order(z[1], z[2]);
+        const __m256i most = _mm256_cmpgt_epi32(count, _mm256_set1_epi32(2));
+        const __m256 median = _mm256_blendv_ps(z[0], z[1], _mm256_castsi256_ps(most));
+        __m256 sum = zero;
+        __m256 used = zero;
+        for (const __m256 value : z) {
+            const __m256 difference = _mm256_div_ps(sub(median, value), mul(median, value));
+            const __m256 near = both(_mm256_cmp_ps(difference, all(h.threshold), _CMP_LE_OQ),
+                                     _mm256_cmp_ps(difference, all(-h.threshold), _CMP_GE_OQ));
+            sum = add(sum, both(difference, near));
+            used = add(used, both(one, near));
+        }
+        const __m256 mean = _mm256_div_ps(median, add(one, mul(_mm256_div_ps(sum, used), median)));
+        const std::int32_t least = h.readings > 1 ? h.readings : 1;
+        const __m256i enough = _mm256_cmpgt_epi32(count, _mm256_set1_epi32(least - 1));
+        _mm256_storeu_ps(out + i, both(mean, _mm256_castsi256_ps(enough)));
+    }
+    kPortable.halve(h, upper + 2 * end, lower + 2 * end, n - end, out + end);
+}
+
 }  // namespace
 
-const Functions kAvx2 = {invert, smooth, support, blend, classify, "avx2"};
+const Functions kAvx2 = {invert, smooth, support, blend, classify, halve, "avx2"};
 
 }  // namespace kino::filters
 #endif

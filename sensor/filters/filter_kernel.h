@@ -43,6 +43,11 @@ struct Memory {
     std::int32_t* unseen;
 };
 
+struct Halve {
+    float threshold;        // farthest from the block's lower median, 1/m
+    std::int32_t readings;  // that a block must hold
+};
+
 /// Every function works on n consecutive pixels and gives the same bits in every implementation:
 /// the same operations in the same order, no fused multiply-add.
 struct Functions {
@@ -57,6 +62,9 @@ struct Functions {
                   float* out);
     /// Copies readings, 0 elsewhere; bit i of `bits` tells whether pixel i holds one.
     void (*classify)(const float* z, std::size_t n, float* out, std::uint64_t* bits);
+    /// Pixel i from pixels 2i and 2i + 1 of two rows.
+    void (*halve)(const Halve& halve, const float* upper, const float* lower, std::size_t n,
+                  float* out);
     const char* name;
 };
 

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <limits>
+#include <type_traits>
 
 #include "sensor/filters/depth_filter.h"
 #include "sensor/filters/filter_kernel.h"
@@ -12,8 +14,9 @@ void invert(const float* z, std::size_t n, float* inverse) {
     for (std::size_t i = 0; i < n; ++i) inverse[i] = is_reading(z[i]) ? 1.0f / z[i] : kNone;
 }
 
-void smooth_block(const Window& w, const float* inverse, const float* z, std::size_t n,
-                  float* out) {
+// With a constant count compilers turn the inner loop into vectors.
+template <class Count>
+void smooth_block(const Window& w, const float* inverse, const float* z, Count n, float* out) {
     float sum[kBlock] = {};
     float weight[kBlock];
     std::fill(weight, weight + kBlock, 1.0f);
@@ -36,9 +39,11 @@ void smooth_block(const Window& w, const float* inverse, const float* z, std::si
 }
 
 void smooth(const Window& w, const float* inverse, const float* z, std::size_t n, float* out) {
-    for (std::size_t i = 0; i < n; i += kBlock) {
-        smooth_block(w, inverse + i, z + i, std::min(kBlock, n - i), out + i);
+    std::size_t i = 0;
+    for (; i + kBlock <= n; i += kBlock) {
+        smooth_block(w, inverse + i, z + i, std::integral_constant<std::size_t, kBlock>(), out + i);
     }
+    if (i < n) smooth_block(w, inverse + i, z + i, n - i, out + i);
 }
 
 void support(const Support& s, const float* inverse, const float* z, std::size_t n, float* out) {
@@ -109,9 +114,45 @@ void classify(const float* z, std::size_t n, float* out, std::uint64_t* bits) {
     }
 }
 
+void order(float& a, float& b) {
+    const float low = a < b ? a : b;
+    b = a > b ? a : b;
+    a = low;
+}
+
+void halve(const Halve& h, const float* upper, const float* lower, std::size_t n, float* out) {
+    constexpr float kEmpty = std::numeric_limits<float>::infinity();
+    for (std::size_t i = 0; i < n; ++i) {
+        float z[4] = {upper[2 * i], upper[2 * i + 1], lower[2 * i], lower[2 * i + 1]};
+        int count = 0;
+        for (float& value : z) {
+            const bool reading = is_reading(value);
+            count += reading ? 1 : 0;
+            value = reading ? value : kEmpty;
+        }
+        order(z[0], z[1]);
+        order(z[2], z[3]);
+        order(z[0], z[2]);
+        order(z[1], z[3]);
+        order(z[1], z[2]);
+        const float median = count > 2 ? z[1] : z[0];
+        float sum = 0.0f;
+        float used = 0.0f;
+        for (const float value : z) {
+            // Not a number, and so not near, for an empty place.
+            const float difference = (median - value) / (median * value);
+            const bool near = difference <= h.threshold && difference >= -h.threshold;
+            sum = sum + (near ? difference : 0.0f);
+            used = used + (near ? 1.0f : 0.0f);
+        }
+        const float mean = median / (1.0f + (sum / used) * median);
+        out[i] = count > 0 && count >= h.readings ? mean : 0.0f;
+    }
+}
+
 }  // namespace
 
-const Functions kPortable = {invert, smooth, support, blend, classify, "portable"};
+const Functions kPortable = {invert, smooth, support, blend, classify, halve, "portable"};
 
 const Functions& choose(bool simd) {
 #if defined(__x86_64__)

@@ -14,7 +14,7 @@ namespace kino {
 
 struct SpatialParameters {
     int radius = 2;                         ///< of the square window, 1 to 4 px
-    double sigmas = 5;                      ///< a step of so many sigmas is an edge, 0.1 to 100
+    double sigmas = 6;                      ///< a step of so many sigmas is an edge, 0.1 to 100
     double noise_per_m = kKinectNoisePerM;  ///< sigma of inverse depth, 1/m, 0.00001 to 0.1
     static std::span<const filters::Setting<SpatialParameters>> settings();
 };

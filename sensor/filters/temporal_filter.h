@@ -21,8 +21,8 @@ struct TemporalParameters {
     int persistence = 2;                    ///< frames that a lost pixel keeps its value, 0 to 250
     /// The n-th frame after a jump weighs 1/n until that is less than alpha: noise falls at once.
     bool running = true;
-    /// A change by the share u of a jump moves the weight by u^4 of the way to 1, so that slow motion
-    /// is followed; else alpha holds up to the threshold.
+    /// A change by the share u of a jump moves the weight by u^4 of the way to 1, so that slow
+    /// motion is followed; else alpha holds up to the threshold.
     bool soft = true;
 
     /// librealsense's published defaults (doc/post-processing-filters.md): alpha 0.4, delta 20 (px

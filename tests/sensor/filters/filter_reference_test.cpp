@@ -162,6 +162,12 @@ TEST(FilterTwins, GiveTheSameBits) {
     twins([](bool simd) {
         return test::make_filter<FlyingPixelFilter>(FlyingPixelParameters{}, simd);
     });
+    for (const int factor : {1, 2, 3}) {
+        twins([&](bool simd) {
+            return test::make_filter<DecimationFilter>(
+                DecimationParameters{.factor = factor, .readings = factor}, simd);
+        });
+    }
     twins([](bool simd) { return test::make_filter<HoleFilter>(HoleParameters{}, simd); });
     twins([](bool simd) { return test::make_filter<TemporalFilter>(TemporalParameters{}, simd); });
     twins([](bool simd) {
