@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "sensor/source.h"
@@ -13,22 +14,29 @@ namespace kino {
 
 enum class SessionCodec : std::uint8_t {
     ffv1,  ///< depth, infrared and colour by FFV1: every player decodes it
-    fast   ///< our own depth codec and the cheapest lossless colour: for slow machines
+    fast,  ///< our own depth codec and the cheapest lossless colour: for slow machines
+    rvl,   ///< depth and infrared by RVL and zstd, colour as it is
+    raw    ///< nothing is coded
 };
 
 struct RecorderOptions {
     SessionCodec codec = SessionCodec::ffv1;
     /// Frames that may wait for the disk, as bytes of raw pixels.
     std::size_t queue_bytes = std::size_t{256} << 20;
+    /// The picture streams that will come. The file's tracks are settled when one frame of each
+    /// has come, 400 ms after the first frame at the latest; what comes later lies in the file as
+    /// well, but only our reader finds it. Empty: all pictures that the source lists.
+    std::vector<StreamId> streams;
 };
 
 struct RecorderStatus {
-    std::int64_t frames = 0;   ///< written to the file, all streams
-    std::int64_t dropped = 0;  ///< refused because the queue was full; each is told in the file
-    std::int64_t bytes = 0;    ///< of the file so far
-    TimeNs duration = 0;       ///< from the first frame to the last
-    double queue_fill = 0;     ///< 0 .. 1
-    std::string error;         ///< why writing has ended early (disk full); empty while all is well
+    std::int64_t frames = 0;  ///< written to the file, all streams
+    std::int64_t dropped =
+        0;  ///< not written: queue full, or not a sound frame; each is told in the file
+    std::int64_t bytes = 0;  ///< of the file so far
+    TimeNs duration = 0;     ///< from the first frame to the last
+    double queue_fill = 0;   ///< 0 .. 1
+    std::string error;       ///< why writing has ended early (disk full); empty while all is well
 };
 
 /// Writes a session (docs/session-format.md) on a thread of its own. put() and put_event() come
