@@ -57,8 +57,8 @@ void Kinect1Controls::add_motor(Motor& motor) {
                 .menu = {Motor::kLedNames.begin(), Motor::kLedNames.end()}};
     knobs_.push_back({led, [this]() -> Outcome<double> { return led_.load(); },
                       [this, &motor](double value) -> Outcome<void> {
-                          auto done = motor.led(static_cast<int>(value));
-                          if (done) led_ = static_cast<int>(value);
+                          auto done = motor.led(static_cast<int>(std::lround(value)));
+                          if (done) led_ = static_cast<int>(std::lround(value));
                           return done;
                       }});
 }
