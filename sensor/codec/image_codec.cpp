@@ -111,7 +111,7 @@ Result<std::unique_ptr<ImageEncoder>> make_image_encoder(const ImageFormat& form
         case ImageCodec::rvl_zstd:
             return make_rvl_zstd_encoder(format);
         case ImageCodec::fast:
-            return fail("not yet", "fast");
+            return make_fast_encoder(format, options);
     }
     return fail("unknown codec");
 }
@@ -131,7 +131,7 @@ Result<std::unique_ptr<ImageDecoder>> make_image_decoder(const ImageFormat& form
         case ImageCodec::rvl_zstd:
             return make_rvl_zstd_decoder(format);
         case ImageCodec::fast:
-            return fail("not yet", "fast");
+            return make_fast_decoder(format, options);
     }
     return fail("unknown codec");
 }

@@ -18,7 +18,8 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr PixelLayout kLayouts[] = {PixelLayout::gray16, PixelLayout::gray8, PixelLayout::bayer8,
                                     PixelLayout::rgb8,   PixelLayout::rgba8, PixelLayout::yuv422,
                                     PixelLayout::yuyv422};
-constexpr ImageCodec kCodecs[] = {ImageCodec::raw, ImageCodec::ffv1, ImageCodec::rvl_zstd};
+constexpr ImageCodec kCodecs[] = {ImageCodec::raw, ImageCodec::ffv1, ImageCodec::rvl_zstd,
+                                  ImageCodec::fast};
 
 inline bool has_layout(ImageCodec codec, PixelLayout layout) {
     return codec != ImageCodec::rvl_zstd || layout == PixelLayout::gray16;
