@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <limits>
-#include <type_traits>
 
 #include "sensor/filters/depth_filter.h"
 #include "sensor/filters/filter_kernel.h"
@@ -14,9 +13,8 @@ void invert(const float* z, std::size_t n, float* inverse) {
     for (std::size_t i = 0; i < n; ++i) inverse[i] = is_reading(z[i]) ? 1.0f / z[i] : kNone;
 }
 
-// With a constant count compilers turn the inner loop into vectors.
-template <class Count>
-void smooth_block(const Window& w, const float* inverse, const float* z, Count n, float* out) {
+void smooth_block(const Window& w, const float* inverse, const float* z, std::size_t n,
+                  float* out) {
     float sum[kBlock] = {};
     float weight[kBlock];
     std::fill(weight, weight + kBlock, 1.0f);
@@ -39,11 +37,9 @@ void smooth_block(const Window& w, const float* inverse, const float* z, Count n
 }
 
 void smooth(const Window& w, const float* inverse, const float* z, std::size_t n, float* out) {
-    std::size_t i = 0;
-    for (; i + kBlock <= n; i += kBlock) {
-        smooth_block(w, inverse + i, z + i, std::integral_constant<std::size_t, kBlock>(), out + i);
+    for (std::size_t i = 0; i < n; i += kBlock) {
+        smooth_block(w, inverse + i, z + i, std::min(kBlock, n - i), out + i);
     }
-    if (i < n) smooth_block(w, inverse + i, z + i, n - i, out + i);
 }
 
 void support(const Support& s, const float* inverse, const float* z, std::size_t n, float* out) {

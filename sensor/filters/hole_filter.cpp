@@ -17,8 +17,11 @@ std::span<const filters::Setting<HoleParameters>> HoleParameters::settings() {
         filters::setting<&P::angle_deg>("angle", 0, 89, "steepest surface drawn across, degrees"),
         filters::setting<&P::focal_px>("focal", 0, 100000,
                                        "focal length, px; 0: 0.893 of the width"),
-        filters::setting<&P::background>("background", 0, 1,
-                                         "1: holes between two surfaces get the farther"),
+        filters::setting<&P::edge>("edge", 0, 250,
+                                   "widest hole between two surfaces that both share, px"),
+        filters::setting<&P::background>(
+            "background", 0, 1,
+            "1: wider holes between two surfaces get the farther, 0: no hole between two gets any"),
     };
     return kSettings;
 }
@@ -33,6 +36,9 @@ HoleFilter::HoleFilter(const HoleParameters& parameters, FilterOptions options)
     : parameters_(parameters), run_(filters::choose(options.simd)) {}
 
 float HoleFilter::Bridge::at(int step) const {
+    const int before_middle = gap + 1 - 2 * step;
+    if (!one_surface && shared && before_middle > 0) return from_z;
+    if (!one_surface && shared && before_middle < 0) return to_z;
     if (!one_surface) return std::max(from_z, to_z);
     const float z = 1.0f / (from_inverse + slope * static_cast<float>(step));
     // Rounding must not leave the range of the two sides: equal sides give their own value.
@@ -44,7 +50,13 @@ HoleFilter::Bridge HoleFilter::bridge(float from_z, float to_z, int gap) const {
     const float to = 1.0f / to_z;
     const float reach = static_cast<float>(gap + 1);
     const float limit = step_ + slope_ * reach * std::min(from, to);
-    return {from_z, to_z, from, (to - from) / reach, std::abs(to - from) <= limit};
+    return {.from_z = from_z,
+            .to_z = to_z,
+            .from_inverse = from,
+            .slope = (to - from) / reach,
+            .gap = gap,
+            .one_surface = std::abs(to - from) <= limit,
+            .shared = gap <= parameters_.edge};
 }
 
 void HoleFilter::fill_column(int x, int first, int end, Image<float>& out) {

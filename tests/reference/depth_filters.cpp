@@ -104,7 +104,7 @@ Image<double> spatial(const Image<float>& in, int radius, double sigmas, double 
 }
 
 Image<double> fill_holes(const Image<float>& in, int gap, double steps, double angle_deg,
-                         double focal_px, bool background) {
+                         double focal_px, int edge, bool background) {
     const auto cross = [&](int x, int y, int dx, int dy) -> std::optional<Crossing> {
         const auto a = look(in, x, y, -dx, -dy);
         const auto b = look(in, x, y, dx, dy);
@@ -117,6 +117,9 @@ Image<double> fill_holes(const Image<float>& in, int gap, double steps, double a
             return Crossing{1 / inverse, length};
         }
         if (!background) return std::nullopt;
+        if (length - 1 <= edge && a->distance != b->distance) {
+            return Crossing{a->distance < b->distance ? a->z : b->z, length};
+        }
         return Crossing{far, length};
     };
     return each(in, [&](int x, int y) -> double {

@@ -14,7 +14,8 @@ namespace kino::reference {
 [[nodiscard]] Image<double> spatial(const Image<float>& in, int radius, double sigmas,
                                     double noise);
 [[nodiscard]] Image<double> fill_holes(const Image<float>& in, int gap, double steps,
-                                       double angle_deg, double focal_px, bool background);
+                                       double angle_deg, double focal_px, int edge,
+                                       bool background);
 [[nodiscard]] Image<double> decimate(const Image<float>& in, int factor, double steps,
                                      int readings);
 

@@ -213,6 +213,15 @@ TEST(FilterLaws, AShadowGetsTheBackgroundOrNothing) {
     EXPECT_EQ(filtered(*make_filter<HoleFilter>(HoleParameters{.gap = 5}), in), in) << "too wide";
 }
 
+TEST(FilterLaws, BothSidesShareWhatIsLostAtAnEdge) {
+    const auto filter = make_filter<HoleFilter>(HoleParameters{.edge = 4});
+    for (const int lost : {1, 2, 3, 4}) {
+        Image<float> in = step_edge(1.0f, 3.0f, 20 + lost);
+        for (int y = 0; y < 20; ++y) std::fill(in.row(y) + 20, in.row(y) + 20 + lost, 0.0f);
+        EXPECT_EQ(filtered(*filter, in), step_edge(1.0f, 3.0f, 20 + lost / 2)) << lost;
+    }
+}
+
 TEST(FilterLaws, HolesAtTheBorderStay) {
     Image<float> in(20, 20, 2.0f);
     for (int y = 0; y < 20; ++y) {

@@ -83,12 +83,13 @@ TEST(FilterReference, FlyingPixels) {
 TEST(FilterReference, Holes) {
     for (const int gap : {1, 3, 8, 250}) {
         for (const bool background : {true, false}) {
-            const HoleParameters p{.gap = gap, .focal_px = 500, .background = background};
+            const HoleParameters p{
+                .gap = gap, .focal_px = 500, .edge = gap / 2, .background = background};
             on_all_samples([&](const Image<float>& in, bool simd) {
                 const auto out = test::filtered(*test::make_filter<HoleFilter>(p, simd), in);
                 const auto with = [&](double near) {
                     return reference::fill_holes(in, gap, p.steps * near, p.angle_deg,
-                                                 p.focal_px / near, background);
+                                                 p.focal_px / near, p.edge, background);
                 };
                 expect_one_of(out, {with(1), with(1 - 1e-4), with(1 + 1e-4)}, 0.01);
             });

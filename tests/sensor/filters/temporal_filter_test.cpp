@@ -12,11 +12,15 @@ namespace {
 using test::filtered;
 using test::make_filter;
 
-/// One pixel through the filter, frame by frame.
+/// One pixel through the filter, frame by frame; nine of them, for the vector and what it leaves.
 std::vector<float> run(const TemporalParameters& p, const std::vector<float>& readings) {
     const auto filter = make_filter<TemporalFilter>(p);
     std::vector<float> out;
-    for (const float z : readings) out.push_back(filtered(*filter, Image<float>(9, 1, z)).at(8, 0));
+    for (const float z : readings) {
+        const Image<float> frame = filtered(*filter, Image<float>(9, 1, z));
+        out.push_back(frame.at(8, 0));
+        EXPECT_EQ(frame, Image<float>(9, 1, frame.at(0, 0)));
+    }
     return out;
 }
 
