@@ -383,8 +383,11 @@ Result<void> Viewer::run(const std::string& note) {
         if (fresh) show_frame(*fresh);
         if (now >= next_picture || fresh) {
             KINO_TRY(draw(input, now));
-            const bool idle = window_.minimised();
-            next_picture = now + (idle ? kIdleTime : kPictureTime);
+            // Between two sensor frames only pictures that are cheap: a dear one would delay the
+            // next frame's own.
+            const TimeNs spent = now_ns() - now;
+            next_picture =
+                now + (window_.minimised() ? kIdleTime : std::max(kPictureTime, 2 * spent));
         }
         open_next_when_over();
     }

@@ -16,22 +16,27 @@ void Commands::bind(const Pipeline& pipeline, std::initializer_list<Bound> resou
     KINO_CHECK_LE(resources.size(), kMost);
     std::array<VkDescriptorBufferInfo, kMost> buffers{};
     std::array<VkDescriptorImageInfo, kMost> images{};
+    std::array<VkBufferView, kMost> texels{};
     std::array<VkWriteDescriptorSet, kMost> writes{};
     std::uint32_t i = 0;
     for (const Bound& resource : resources) {
         VkWriteDescriptorSet& write = writes[i];
         write = {
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET, .dstBinding = i, .descriptorCount = 1};
-        if (pipeline.bindings[i] == Binding::storage) {
+        const Binding kind = pipeline.bindings[i];
+        write.descriptorType = descriptor_type(kind);
+        if (kind == Binding::storage) {
             KINO_CHECK(resource.buffer != VK_NULL_HANDLE);
             buffers[i] = {resource.buffer, resource.offset, resource.bytes};
-            write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             write.pBufferInfo = &buffers[i];
+        } else if (kind == Binding::words || kind == Binding::word_pairs) {
+            texels[i] = kind == Binding::words ? resource.words : resource.word_pairs;
+            KINO_CHECK(texels[i] != VK_NULL_HANDLE);
+            write.pTexelBufferView = &texels[i];
         } else {
             KINO_CHECK(resource.view != VK_NULL_HANDLE);
             images[i] = {resource.linear ? device_.linear_sampler() : device_.nearest_sampler(),
                          resource.view, VK_IMAGE_LAYOUT_GENERAL};
-            write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
             write.pImageInfo = &images[i];
         }
         ++i;

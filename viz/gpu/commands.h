@@ -13,6 +13,8 @@ struct Bound {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceSize offset = 0;
     VkDeviceSize bytes = VK_WHOLE_SIZE;
+    VkBufferView words = VK_NULL_HANDLE;       ///< the whole buffer, for Binding::words
+    VkBufferView word_pairs = VK_NULL_HANDLE;  ///< and for Binding::word_pairs
     VkImageView view = VK_NULL_HANDLE;
     bool linear = false;  ///< filter of a texture
 };

@@ -95,6 +95,7 @@ DeviceInfo describe(VkPhysicalDevice physical) {
     info.has_geometry_shader = features.features.geometryShader;
     info.storage_alignment =
         std::max<VkDeviceSize>(16, properties.properties.limits.minStorageBufferOffsetAlignment);
+    info.max_texels = properties.properties.limits.maxTexelBufferElements;
     return info;
 }
 

@@ -31,6 +31,7 @@ struct DeviceInfo {
     bool has_int64_atomics = false;
     bool has_geometry_shader = false;
     VkDeviceSize storage_alignment = 16;  ///< of storage-buffer offsets, bytes
+    VkDeviceSize max_texels = 65536;      ///< of a buffer read as texels
 };
 
 /// What memory must be able to do, in order of preference (device.cpp has the lists).

@@ -149,6 +149,19 @@ Result<VkPipeline> make_graphics(Device& device, const PipelineDesc& desc, const
 
 }  // namespace
 
+VkDescriptorType descriptor_type(Binding binding) {
+    switch (binding) {
+        case Binding::storage:
+            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        case Binding::texture:
+            return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+        case Binding::words:
+        case Binding::word_pairs:
+            break;
+    }
+    return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+}
+
 Pipelines::~Pipelines() {
     for (auto& [key, pipeline] : made_) {
         vkDestroyPipeline(device_.handle(), pipeline->handle, nullptr);
@@ -188,9 +201,7 @@ Result<std::unique_ptr<Pipeline>> Pipelines::create(const PipelineDesc& desc) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (std::uint32_t i = 0; i < desc.bindings.size(); ++i) {
         bindings.push_back({.binding = i,
-                            .descriptorType = desc.bindings[i] == Binding::storage
-                                                  ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-                                                  : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                            .descriptorType = descriptor_type(desc.bindings[i]),
                             .descriptorCount = 1,
                             .stageFlags = stages_flags});
     }

@@ -14,7 +14,16 @@
 namespace kino::gpu {
 
 /// Kinds of shader resources; binding i of set 0 has kind `bindings[i]`.
-enum class Binding : std::uint8_t { storage, texture };
+enum class Binding : std::uint8_t {
+    storage,
+    texture,
+    // Buffers that a shader only reads, a uint or a uvec2 at a time, by texelFetch of a
+    // usamplerBuffer: on lavapipe one vector gather for all lanes, where a storage buffer costs
+    // each lane a branch and a load.
+    words,
+    word_pairs
+};
+[[nodiscard]] VkDescriptorType descriptor_type(Binding binding);
 
 enum class Blend : std::uint8_t { none, alpha, additive };
 

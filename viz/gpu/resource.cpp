@@ -1,5 +1,7 @@
 #include "viz/gpu/resource.h"
 
+#include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "base/check.h"
@@ -17,7 +19,8 @@ Result<Buffer> Buffer::create(Device& device, const std::string& name, VkDeviceS
         .size = bytes,
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                 VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT};
+                 VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT};
     KINO_VK_TRY(vkCreateBuffer(device.handle(), &create, nullptr, &buffer.buffer_),
                 "creating buffer " + name);
     VkMemoryRequirements needs;
@@ -27,6 +30,18 @@ Result<Buffer> Buffer::create(Device& device, const std::string& name, VkDeviceS
     buffer.allocated_ = needs.size;
     KINO_VK_TRY(vkBindBufferMemory(device.handle(), buffer.buffer_, buffer.memory_, 0),
                 "binding buffer " + name);
+    for (const auto& [view, format, size] :
+         {std::tuple(&buffer.words_, VK_FORMAT_R32_UINT, VkDeviceSize{4}),
+          std::tuple(&buffer.word_pairs_, VK_FORMAT_R32G32_UINT, VkDeviceSize{8})}) {
+        const VkDeviceSize texels = std::min(bytes / size, device.info().max_texels);
+        if (texels == 0) continue;
+        const VkBufferViewCreateInfo as_texels{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                               .buffer = buffer.buffer_,
+                                               .format = format,
+                                               .range = texels * size};
+        KINO_VK_TRY(vkCreateBufferView(device.handle(), &as_texels, nullptr, view),
+                    "creating a view of " + name);
+    }
     if (use != MemoryUse::device) {
         KINO_VK_TRY(
             vkMapMemory(device.handle(), buffer.memory_, 0, VK_WHOLE_SIZE, 0, &buffer.mapped_),
@@ -37,6 +52,8 @@ Result<Buffer> Buffer::create(Device& device, const std::string& name, VkDeviceS
 
 Buffer::~Buffer() {
     if (device_ == nullptr) return;
+    vkDestroyBufferView(device_->handle(), words_, nullptr);
+    vkDestroyBufferView(device_->handle(), word_pairs_, nullptr);
     vkDestroyBuffer(device_->handle(), buffer_, nullptr);
     if (memory_ != VK_NULL_HANDLE) device_->release(memory_, allocated_);
 }
@@ -48,6 +65,8 @@ Buffer::Buffer(Buffer&& other) noexcept {
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
     std::swap(device_, other.device_);
     std::swap(buffer_, other.buffer_);
+    std::swap(words_, other.words_);
+    std::swap(word_pairs_, other.word_pairs_);
     std::swap(memory_, other.memory_);
     std::swap(bytes_, other.bytes_);
     std::swap(allocated_, other.allocated_);

@@ -10,8 +10,8 @@
 
 namespace kino::gpu {
 
-/// A buffer with memory of its own; may be bound as storage, indirect, index and copied. Upload
-/// and readback buffers stay mapped. Move-only; must die before its Device.
+/// A buffer with memory of its own; may be bound as storage, texels, indirect, index and copied.
+/// Upload and readback buffers stay mapped. Move-only; must die before its Device.
 class Buffer {
   public:
     Buffer() = default;
@@ -23,6 +23,10 @@ class Buffer {
 
     [[nodiscard]] VkBuffer handle() const { return buffer_; }
     [[nodiscard]] VkDeviceSize bytes() const { return bytes_; }
+    /// The bytes as texels of one or two 32-bit numbers, for Binding::words and ::word_pairs; null
+    /// where the buffer is too short for one, and cut off at the device's limit of texels.
+    [[nodiscard]] VkBufferView words() const { return words_; }
+    [[nodiscard]] VkBufferView word_pairs() const { return word_pairs_; }
     [[nodiscard]] bool empty() const { return buffer_ == VK_NULL_HANDLE; }
     /// Null unless the memory is mapped.
     [[nodiscard]] void* mapped() const { return mapped_; }
@@ -41,6 +45,8 @@ class Buffer {
   private:
     Device* device_ = nullptr;
     VkBuffer buffer_ = VK_NULL_HANDLE;
+    VkBufferView words_ = VK_NULL_HANDLE;
+    VkBufferView word_pairs_ = VK_NULL_HANDLE;
     VkDeviceMemory memory_ = VK_NULL_HANDLE;
     VkDeviceSize bytes_ = 0;
     VkDeviceSize allocated_ = 0;

@@ -27,7 +27,10 @@ bool PassContext::bind(const gpu::PipelineDesc& desc, std::initializer_list<gpu:
 gpu::Bound PassContext::bound(BufferId id) const {
     const gpu::Buffer* buffer = executor_.buffer_of_resource_[id.index];
     KINO_CHECK(buffer != nullptr);  // else the pass did not declare it
-    return {.buffer = buffer->handle(), .bytes = graph_.resources()[id.index].buffer.bytes};
+    return {.buffer = buffer->handle(),
+            .bytes = graph_.resources()[id.index].buffer.bytes,
+            .words = buffer->words(),
+            .word_pairs = buffer->word_pairs()};
 }
 
 gpu::Bound PassContext::bound(TextureId id, bool linear) const {

@@ -105,7 +105,9 @@ graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scen
         gpu::PipelineDesc desc;
         desc.name = "light/points";
         desc.compute = kPoints;
-        desc.bindings.assign(7, gpu::Binding::storage);
+        using gpu::Binding;
+        desc.bindings = {Binding::storage, Binding::words,   Binding::word_pairs, Binding::words,
+                         Binding::storage, Binding::storage, Binding::storage};
         desc.push_bytes = sizeof(in.params);
         desc.constants.assign(kPinholeConstant + 1, 0);
         desc.constants[1] = in.has_color ? 1 : 0;

@@ -7,9 +7,7 @@
 // picture costs no more than an unlit one. Diffuse light changes slowly over a surface; what is
 // lost is measured against light.frag (docs/accuracy).
 layout(scalar, set = 0, binding = 0) writeonly buffer Lit { uint lit[]; };
-layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
-layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
-layout(scalar, set = 0, binding = 3) readonly buffer Color { uint color[]; };
+#include "viz/surface/depth_inputs.glsl"
 layout(scalar, set = 0, binding = 4) readonly buffer Normals { uint normals[]; };
 layout(scalar, set = 0, binding = 5) readonly buffer Params { PointLightParams scene; };
 layout(scalar, set = 0, binding = 6) readonly buffer Lights { LightRecord lights[]; };
@@ -24,11 +22,11 @@ void main() {
     uvec2 at = gl_GlobalInvocationID.xy;
     if (at.x >= p.grid.x) return;
     uint i = at.y * p.grid.x + at.x;
-    float z = depth_m[i];
+    float z = depth_at(i);
     vec3 q = to_view(p, depth_point(z, KINO_RAY(at, i)));
     uint bits = normals[i];
     vec3 n = bits != 0x80008000u ? unpack_octahedral(bits) : -normalize(q);
-    vec3 captured = from_srgb(unpackUnorm4x8(kHasColor != 0u ? opaque(color[i]) : kUncolouredBits).rgb);
+    vec3 captured = from_srgb(unpackUnorm4x8(kHasColor != 0u ? opaque(color_at(i)) : kUncolouredBits).rgb);
     vec3 irradiance = scene.mixed != 0u ? vec3(1.0) : scene.ambient;
     uint count = z > 0.0 ? scene.count : 0u;
     for (uint k = 0u; k < count; ++k) irradiance += light_at(lights[k], q, n);

@@ -63,16 +63,19 @@ std::uint64_t grid_count(const SurfaceParams& p) {
     return std::uint64_t{p.grid.x} * p.grid.y;
 }
 
-/// `pinhole` goes where depth_grid.glsl has it, behind the shader's own constants.
+/// Bindings: 0 what is written, 1 .. 3 depth_inputs.glsl, 4 the large triangles. `pinhole` goes
+/// where depth_grid.glsl has it, behind the shader's own constants.
 gpu::PipelineDesc compute(const char* name, std::span<const std::uint32_t> code,
-                          std::size_t buffers, bool pinhole,
+                          std::size_t bindings, bool pinhole,
                           std::vector<std::uint32_t> constants = {}) {
     constants.resize(kPinholeConstant, 0);
     constants.push_back(pinhole ? 1 : 0);
     gpu::PipelineDesc desc;
     desc.name = name;
     desc.compute = code;
-    desc.bindings.assign(buffers, Binding::storage);
+    desc.bindings = {Binding::storage, Binding::words, Binding::word_pairs, Binding::words,
+                     Binding::storage};
+    desc.bindings.resize(bindings);
     desc.push_bytes = sizeof(SurfaceParams);
     desc.constants = std::move(constants);
     return desc;
@@ -117,7 +120,9 @@ SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in, 
                                                : std::span<const std::uint32_t>(kResolveColor64))
                         : mesh        ? std::span<const std::uint32_t>(kResolveMesh)
                                       : std::span<const std::uint32_t>(kResolveCloud);
-        desc.bindings.assign(color_payload ? 1 : 5, Binding::storage);
+        desc.bindings = {Binding::word_pairs, Binding::words, Binding::word_pairs, Binding::words,
+                         Binding::storage};
+        if (color_payload) desc.bindings.resize(1);
         desc.push_bytes = sizeof(SurfaceParams);
         desc.constants = {targets.normal.valid() ? 1u : 0u, in.has_color ? 1u : 0u,
                           in.params.fill_holes, color_payload && !key32 ? 1u : 0u};
@@ -232,7 +237,7 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
                                         : compute("surface/small triangles", kMeshCells, 5,
                                                   in.pinhole, constants);
                 if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
-                                   c.bound(large), c.bound(in.color)})) {
+                                   c.bound(in.color), c.bound(large)})) {
                     return;
                 }
                 c.commands().constants(params);
@@ -256,7 +261,7 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
                                         : compute("surface/large triangles", kMeshLarge, 5,
                                                   in.pinhole, constants);
                 if (!c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
-                                   c.bound(large), c.bound(in.color)})) {
+                                   c.bound(in.color), c.bound(large)})) {
                     return;
                 }
                 c.commands().constants(params);

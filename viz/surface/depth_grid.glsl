@@ -6,7 +6,7 @@
 layout(constant_id = 9) const uint kPinhole = 0u;
 
 #define KINO_RAY(at, index) \
-    (kPinhole != 0u ? (vec2(at) - p.depth_k.zw) * p.depth_k.xy : rays[index])
+    (kPinhole != 0u ? (vec2(at) - p.depth_k.zw) * p.depth_k.xy : ray_at(index))
 
 vec3 depth_point(float z, vec2 ray) { return vec3(ray * z, z); }
 

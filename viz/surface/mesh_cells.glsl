@@ -1,10 +1,8 @@
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
 #include "viz/surface/payload.glsl"
-layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
-layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
-layout(scalar, set = 0, binding = 3) buffer Large { LargeList large; uint large_triangles[]; };
-layout(scalar, set = 0, binding = 4) readonly buffer Color { uint color[]; };
+#include "viz/surface/depth_inputs.glsl"
+layout(scalar, set = 0, binding = 4) buffer Large { LargeList large; uint large_triangles[]; };
 
 layout(constant_id = 1) const uint kHasColor = 1u;
 // Cells a thread walks down: the lower corners of one are the upper corners of the next, so a
@@ -16,24 +14,25 @@ const uint kStrip = 16u;
 // plane, the other pass clips it), and its own depth (0: no reading).
 vec4 vertex(uvec2 at) {
     uint i = at.y * p.grid.x + at.x;
-    float z = depth_m[i];
+    float z = depth_at(i);
     vec3 v = to_view(p, depth_point(z, KINO_RAY(at, i)));
     float inverse_z = v.z >= p.near_m ? 1.0 / v.z : -1.0;
     return vec4(p.k.xy * v.xy * inverse_z + p.k.zw + 0.5, inverse_z, z);
 }
 
-// Each listed triangle gets a work group in the pass that follows.
+// The pass that follows takes KINO_TRIANGLES_A_GROUP of them in a work group.
 void list(uint triangle) {
     uint slot = atomicAdd(large.count, 1u);
     if (slot < uint(large_triangles.length())) {
         large_triangles[slot] = triangle;
-        atomicMax(large.groups_x, min(slot + 1u, 65535u));
-        atomicMax(large.groups_y, slot / 65535u + 1u);
+        uint group = slot / KINO_TRIANGLES_A_GROUP;
+        atomicMax(large.groups_x, min(group + 1u, 65535u));
+        atomicMax(large.groups_y, group / 65535u + 1u);
     }
 }
 
-uint color_at(uint i) {
-    return kColorPayload != 0u && kHasColor != 0u ? color[i] : 0u;
+uint corner_color(uint i) {
+    return kColorPayload != 0u && kHasColor != 0u ? color_at(i) : 0u;
 }
 
 // False where nothing of the cell can be on the screen: off to a side, or wholly nearer than the
@@ -121,12 +120,12 @@ void main() {
     uint i = first_row * p.grid.x + column;
     vec4 upper_left = vertex(uvec2(column, first_row));
     vec4 upper_right = vertex(uvec2(column + 1u, first_row));
-    uvec2 upper_colors = uvec2(color_at(i), color_at(i + 1u));
+    uvec2 upper_colors = uvec2(corner_color(i), corner_color(i + 1u));
     for (uint row = first_row; row < end_row; ++row) {
         vec4 lower_left = vertex(uvec2(column, row + 1u));
         vec4 lower_right = vertex(uvec2(column + 1u, row + 1u));
         i += p.grid.x;
-        uvec2 lower_colors = uvec2(color_at(i), color_at(i + 1u));
+        uvec2 lower_colors = uvec2(corner_color(i), corner_color(i + 1u));
         uint kept = (keep_triangle(p, upper_left.w, upper_right.w, lower_left.w) ? 1u : 0u) |
                     (keep_triangle(p, upper_right.w, lower_right.w, lower_left.w) ? 2u : 0u);
         // A loop, not an if: it really skips where no lane has anything to draw.

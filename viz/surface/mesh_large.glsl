@@ -1,17 +1,13 @@
-// Few lanes a triangle: every lane of a group sets it up anew, and most have some dozen pixels.
-#define KINO_LOCAL_SIZE 8
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
 #include "viz/surface/payload.glsl"
-layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
-layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
-layout(scalar, set = 0, binding = 3) readonly buffer Large { LargeList large; uint large_triangles[]; };
-layout(scalar, set = 0, binding = 4) readonly buffer Color { uint color[]; };
+#include "viz/surface/depth_inputs.glsl"
+layout(scalar, set = 0, binding = 4) readonly buffer Large { LargeList large; uint large_triangles[]; };
 
 layout(constant_id = 1) const uint kHasColor = 1u;
 
-uint color_at(uint i) {
-    return kColorPayload != 0u && kHasColor != 0u ? color[i] : 0u;
+uint corner_color(uint i) {
+    return kColorPayload != 0u && kHasColor != 0u ? color_at(i) : 0u;
 }
 
 vec2 to_pixel(vec3 v) { return p.k.xy * v.xy / v.z + p.k.zw + 0.5; }
@@ -29,16 +25,22 @@ void bound_edge(vec3 a, vec3 b, inout vec2 low, inout vec2 high) {
     high = max(high, max(pa, pb));
 }
 
-// One work group a triangle. The pixel's ray is met with the triangle's plane in view space, so a
-// corner behind the eye does no harm; the clipped outline only bounds the search.
+// Few lanes a triangle: each sets it up anew, and most triangles have some dozen pixels.
+const uint kLanes = uint(KINO_LOCAL_SIZE) / KINO_TRIANGLES_A_GROUP;
+
+// Several triangles a work group, since starting one costs, too. The pixel's ray is met with the
+// triangle's plane in view space, so a corner behind the eye does no harm; the clipped outline only
+// bounds the search.
 void main() {
-    uint slot = gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x;
+    uint group = gl_WorkGroupID.y * 65535u + gl_WorkGroupID.x;
+    uint slot = group * KINO_TRIANGLES_A_GROUP + gl_LocalInvocationID.x / kLanes;
     if (slot >= min(large.count, uint(large_triangles.length()))) return;
+    uint lane = gl_LocalInvocationID.x % kLanes;
     uint id = large_triangles[slot];
     uvec3 corners = triangle_corners(p, id);
-    vec3 a = to_view(p, depth_point(depth_m[corners.x], rays[corners.x]));
-    vec3 b = to_view(p, depth_point(depth_m[corners.y], rays[corners.y]));
-    vec3 c = to_view(p, depth_point(depth_m[corners.z], rays[corners.z]));
+    vec3 a = to_view(p, depth_point(depth_at(corners.x), ray_at(corners.x)));
+    vec3 b = to_view(p, depth_point(depth_at(corners.y), ray_at(corners.y)));
+    vec3 c = to_view(p, depth_point(depth_at(corners.z), ray_at(corners.z)));
     vec2 low = vec2(1e9);
     vec2 high = vec2(-1e9);
     bound_edge(a, b, low, high);
@@ -50,7 +52,6 @@ void main() {
     uvec2 last = uvec2(max(floor(high + 0.5), 0.0));  // one past the end
     if (last.x <= first.x || last.y <= first.y) return;
     uint wide = last.x - first.x;
-    uint pixels = wide * (last.y - first.y);
     vec3 ab = b - a;
     vec3 ac = c - a;
     vec3 n = cross(ab, ac);
@@ -59,12 +60,16 @@ void main() {
     vec3 across_b = cross(ac, n) / area2;  // its dot product with (q - a) is the weight of b
     vec3 across_c = cross(n, ab) / area2;
     float distance = dot(a, n);
-    uint color_b = color_or(color_at(corners.y), color_at(corners.z), color_at(corners.x));
-    uint color_c = color_or(color_at(corners.z), color_b, color_b);
-    uint color_a = color_or(color_at(corners.x), color_b, color_b);
+    uint color_b = color_or(corner_color(corners.y), corner_color(corners.z), corner_color(corners.x));
+    uint color_c = color_or(corner_color(corners.z), color_b, color_b);
+    uint color_a = color_or(corner_color(corners.x), color_b, color_b);
     const float kSlack = -1e-5;
-    for (uint k = gl_LocalInvocationID.x; k < pixels; k += uint(KINO_LOCAL_SIZE)) {
-        uvec2 pixel = uvec2(first.x + k % wide, first.y + k / wide);
+    // The lanes walk the rows together. No division in the loop: lanes divide one after the other.
+    uint step_y = kLanes / wide;
+    uint step_x = kLanes - step_y * wide;
+    uint lane_y = lane / wide;
+    uvec2 pixel = first + uvec2(lane - lane_y * wide, lane_y);
+    while (pixel.y < last.y) {
         vec3 ray = vec3((vec2(pixel) - p.k.zw) / p.k.xy, 1.0);
         float z = distance / dot(ray, n);
         vec3 q = ray * z - a;
@@ -77,5 +82,7 @@ void main() {
             }
             put(pixel.y * p.target.x + pixel.x, z, payload, p.key_pass);
         }
+        pixel += uvec2(step_x, step_y);
+        if (pixel.x >= last.x) pixel = uvec2(pixel.x - wide, pixel.y + 1u);
     }
 }

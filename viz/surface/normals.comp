@@ -10,8 +10,7 @@
 // Output: view space, towards the eye, octahedral in two 16-bit numbers; 0x80008000 is "none",
 // where shading falls back to facing the eye.
 layout(scalar, set = 0, binding = 0) writeonly buffer Normals { uint normals[]; };
-layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
-layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
+#include "viz/surface/depth_inputs.glsl"
 
 #include "viz/surface/octahedral.glsl"
 
@@ -19,7 +18,7 @@ void main() {
     uvec2 at = gl_GlobalInvocationID.xy;
     if (at.x >= p.grid.x) return;
     uint i = at.y * p.grid.x + at.x;
-    float z = depth_m[i];
+    float z = depth_at(i);
     vec2 ray = KINO_RAY(at, i);
     // Spacing in pixels of a 640 px wide image; fewer where the image is coarser.
     float coarseness = p.depth_focal_px / 571.26;
@@ -36,7 +35,7 @@ void main() {
         ivec2 q = ivec2(at) + int(spacing) * ivec2(k % 3 - 1, k / 3 - 1);
         bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, ivec2(p.grid)));
         uint j = inside ? uint(q.y) * p.grid.x + uint(q.x) : i;
-        float zq = depth_m[j];
+        float zq = depth_at(j);
         bool ok = inside && zq > 0.0 && abs(zq - z) < limit;
         vec2 uv = (KINO_RAY(q, j) - ray) * to_unit;
         // Relative to the centre, so that no digits cancel.

@@ -8,7 +8,7 @@ void main() {
     uvec2 hit = nearest_or_filled(at);
     bool covered = hit.y != KINO_EMPTY;
     uint i = covered ? hit.x : 0u;
-    vec4 rgba = kHasColor != 0u ? unpackUnorm4x8(color[i]) : vec4(0.0);
+    vec4 rgba = kHasColor != 0u ? unpackUnorm4x8(color_at(i)) : vec4(0.0);
     vec3 seen = rgba.a > 0.0 ? rgba.rgb : kUncoloured;
     out_albedo = covered ? vec4(seen, 1.0)
                          : vec4(background_at(gl_FragCoord.y / float(p.target.y)), 0.0);

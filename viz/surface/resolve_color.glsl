@@ -1,13 +1,6 @@
 #include "viz/surface/surface_shared.h"
 layout(push_constant, scalar) uniform Push { SurfaceParams p; };
-#ifdef KINO_KEY64
-// One load a pixel instead of two.
-layout(scalar, set = 0, binding = 0) readonly buffer Visibility { uint64_t keys[]; };
-uvec2 visibility_at(uint i) { return unpack32(keys[i]); }
-#else
-layout(scalar, set = 0, binding = 0) readonly buffer Visibility { uvec2 visibility[]; };
-uvec2 visibility_at(uint i) { return visibility[i]; }
-#endif
+#include "viz/surface/visibility_inputs.glsl"
 #include "viz/surface/surface_out.glsl"
 #include "viz/surface/fill_holes.glsl"
 

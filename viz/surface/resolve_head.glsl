@@ -4,11 +4,8 @@
 layout(push_constant, scalar) uniform Push { SurfaceParams p; };
 layout(constant_id = 0) const uint kWantNormal = 0u;
 layout(constant_id = 1) const uint kHasColor = 1u;
-layout(scalar, set = 0, binding = 0) readonly buffer Visibility { uvec2 visibility[]; };
-uvec2 visibility_at(uint i) { return visibility[i]; }
-layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
-layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
-layout(scalar, set = 0, binding = 3) readonly buffer Color { uint color[]; };
+#include "viz/surface/visibility_inputs.glsl"
+#include "viz/surface/depth_inputs.glsl"
 layout(scalar, set = 0, binding = 4) readonly buffer Normals { uint normals[]; };
 #include "viz/surface/depth_grid.glsl"
 #include "viz/surface/octahedral.glsl"

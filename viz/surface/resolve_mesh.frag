@@ -4,7 +4,7 @@
 
 void main() {
     uvec2 at = uvec2(gl_FragCoord.xy);
-    uvec2 hit = visibility[at.y * p.target.x + at.x];
+    uvec2 hit = visibility_at(at.y * p.target.x + at.x);
     bool covered = hit.y != KINO_EMPTY;
     uvec3 corner = triangle_corners(p, covered ? hit.x : 0u);
     vec3 ray = vec3((vec2(at) - p.k.zw) / p.k.xy, 1.0);
@@ -15,9 +15,9 @@ void main() {
                  - vec3(p.view_from_depth_x.w, p.view_from_depth_y.w, p.view_from_depth_z.w);
     vec3 q = p.view_from_depth_x.xyz * in_view.x + p.view_from_depth_y.xyz * in_view.y +
              p.view_from_depth_z.xyz * in_view.z;
-    vec3 a = depth_point(depth_m[corner.x], rays[corner.x]);
-    vec3 ab = depth_point(depth_m[corner.y], rays[corner.y]) - a;
-    vec3 ac = depth_point(depth_m[corner.z], rays[corner.z]) - a;
+    vec3 a = depth_point(depth_at(corner.x), ray_at(corner.x));
+    vec3 ab = depth_point(depth_at(corner.y), ray_at(corner.y)) - a;
+    vec3 ac = depth_point(depth_at(corner.z), ray_at(corner.z)) - a;
     vec3 n = cross(ab, ac);
     float scale = 1.0 / max(dot(n, n), 1e-20);
     vec3 w;
@@ -27,9 +27,9 @@ void main() {
 
     vec3 seen = kUncoloured;
     if (kHasColor != 0u) {
-        vec4 ca = unpackUnorm4x8(color[corner.x]);
-        vec4 cb = unpackUnorm4x8(color[corner.y]);
-        vec4 cc = unpackUnorm4x8(color[corner.z]);
+        vec4 ca = unpackUnorm4x8(color_at(corner.x));
+        vec4 cb = unpackUnorm4x8(color_at(corner.y));
+        vec4 cc = unpackUnorm4x8(color_at(corner.z));
         // Corners without colour do not darken those that have it.
         vec3 weights = w * vec3(ca.a, cb.a, cc.a);
         float total = weights.x + weights.y + weights.z;

@@ -1,9 +1,7 @@
 #include "viz/surface/compute_head.glsl"
 #include "viz/surface/visibility.glsl"
 #include "viz/surface/payload.glsl"
-layout(scalar, set = 0, binding = 1) readonly buffer Depth { float depth_m[]; };
-layout(scalar, set = 0, binding = 2) readonly buffer Rays { vec2 rays[]; };
-layout(scalar, set = 0, binding = 3) readonly buffer Color { uint color[]; };
+#include "viz/surface/depth_inputs.glsl"
 
 layout(constant_id = 1) const uint kHasColor = 1u;
 layout(constant_id = 2) const uint kSinglePixel = 1u;
@@ -12,10 +10,10 @@ void main() {
     uvec2 at = gl_GlobalInvocationID.xy;
     if (at.x >= p.grid.x) return;
     uint i = at.y * p.grid.x + at.x;
-    float z = depth_m[i];
+    float z = depth_at(i);
     vec3 v = to_view(p, depth_point(z, KINO_RAY(at, i)));
     if (!(z > 0.0) || !(v.z >= p.near_m)) return;
-    uint payload = kColorPayload == 0u ? i : kHasColor != 0u ? opaque(color[i]) : kUncolouredBits;
+    uint payload = kColorPayload == 0u ? i : kHasColor != 0u ? opaque(color_at(i)) : kUncolouredBits;
     vec2 centre = p.k.xy * v.xy / v.z + p.k.zw + 0.5;  // framebuffer coordinates
     // Also refuses what would not fit an int.
     vec2 margin = vec2(float(p.splat_cap_px));

@@ -38,6 +38,8 @@ static_assert(sizeof(kino::shared::SurfaceParams) == 128);
 // A cell whose bounds hold more pixels than this goes to the list of large triangles: a lane that
 // walks many pixels holds up all others.
 #define KINO_MICRO_LIMIT_PIXELS 32
+// Large triangles that share a work group.
+#define KINO_TRIANGLES_A_GROUP 8u
 // An empty pixel of the visibility buffer: no depth is this large.
 #define KINO_EMPTY 0xFFFFFFFFu
 #endif
