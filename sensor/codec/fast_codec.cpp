@@ -159,6 +159,14 @@ class FastEncoder final : public ImageEncoder {
         out_.insert(out_.end(), words, static_cast<const std::uint8_t*>(words_end));
     }
 
+    /// What most likely means no reading: 0, or all ones where a device says so (Kinect v1: 2047).
+    [[nodiscard]] std::uint16_t hole_value() const {
+        if (index_of_[0] != 0) return 0;
+        const auto last = std::find(index_of_.rbegin(), index_of_.rend(), std::uint16_t{1});
+        const auto largest = static_cast<std::uint32_t>(index_of_.rend() - last - 1);
+        return std::has_single_bit(largest + 1) ? static_cast<std::uint16_t>(largest) : 0;
+    }
+
     /// Depth as indices into the values that the picture has: a sensor's steps become 1.
     void index_depth(std::span<const std::uint8_t> pixels, BitWriter& side) {
         const std::size_t count = pixels.size() / 2;
@@ -167,7 +175,9 @@ class FastEncoder final : public ImageEncoder {
         std::fill(index_of_.begin(), index_of_.end(), std::uint16_t{0});
         for (std::size_t i = 0; i < count; ++i) index_of_[plane[i]] = 1;
         values_.clear();
-        index_of_[0] = 0;
+        const std::uint16_t hole = hole_value();
+        index_of_[hole] = 0;
+        side.put(hole, 16);
         for (std::size_t from = 0; from < index_of_.size(); from += 4) {
             std::uint64_t four = 0;
             std::memcpy(&four, &index_of_[from], 8);
@@ -244,7 +254,11 @@ class FastDecoder final : public ImageDecoder {
 
         const bool depth = format_.layout == PixelLayout::gray16;
         BitReader side(rest.first(side_bytes));
-        if (depth && !read_palette(side, values_)) return "the values are damaged";
+        std::uint16_t hole = 0;
+        if (depth) {
+            hole = static_cast<std::uint16_t>(side.get(16));
+            if (!read_palette(side, values_)) return "the values are damaged";
+        }
         const auto shift = static_cast<int>(side.get(4));
         if (!read_frequencies(side, frequencies_) || !side.at_end()) {
             return "the frequencies are damaged";
@@ -268,7 +282,7 @@ class FastDecoder final : public ImageDecoder {
         if (decoded.largest > largest) return "a value is out of range";
         kernels_.from_stripes(work_.indices.data(), size.height, stripes, work_.plane.data());
         if (depth) {
-            values_.insert(values_.begin(), 0);
+            values_.insert(values_.begin(), hole);
             std::uint16_t* p = work_.plane.data();
             for (std::size_t i = 0; i < pixels.size() / 2; ++i) p[i] = values_[p[i]];
             std::memcpy(pixels.data(), p, pixels.size());

@@ -101,10 +101,10 @@ void fill(const Frequencies& frequencies, DecodeTable& table) {
 
 void write_palette(std::span<const std::uint16_t> values, BitWriter& out) {
     out.put_number(static_cast<std::uint32_t>(values.size()));
-    std::uint32_t previous = 0;
+    std::uint32_t next = 0;
     for (const std::uint16_t value : values) {
-        out.put_number(value - previous - 1);
-        previous = value;
+        out.put_number(value - next);
+        next = std::uint32_t{value} + 1;
     }
 }
 
@@ -112,11 +112,12 @@ bool read_palette(BitReader& in, std::vector<std::uint16_t>& values) {
     values.clear();
     const std::uint32_t count = in.get_number();
     if (count > UINT16_MAX) return false;
-    std::uint32_t value = 0;
+    std::uint32_t next = 0;
     for (std::uint32_t i = 0; i < count && !in.overrun(); ++i) {
-        value += in.get_number() + 1;
+        const std::uint32_t value = next + in.get_number();
         if (value > UINT16_MAX) return false;
         values.push_back(static_cast<std::uint16_t>(value));
+        next = value + 1;
     }
     return !in.overrun();
 }

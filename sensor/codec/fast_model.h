@@ -28,7 +28,8 @@ void fill(const Frequencies& frequencies, EncodeTable& table);
 using DecodeTable = std::array<std::uint32_t, kContexts << kProbabilityBits>;
 void fill(const Frequencies& frequencies, DecodeTable& table);
 
-/// The values other than 0 that a plane has, in rising order; index i + 1 stands for values[i].
+/// The values that a plane has beside its hole value, in rising order; index i + 1 stands for
+/// values[i].
 void write_palette(std::span<const std::uint16_t> values, BitWriter& out);
 [[nodiscard]] bool read_palette(BitReader& in, std::vector<std::uint16_t>& values);
 

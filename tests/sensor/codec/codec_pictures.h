@@ -38,10 +38,10 @@ inline Bytes bytes_of(const Image<std::uint16_t>& image) {
     return bytes_of(std::vector<std::uint16_t>(image.pixels().begin(), image.pixels().end()));
 }
 
-enum class Content { constant, ramp, noise, extremes, scene, holes, steps };
-constexpr Content kContents[] = {Content::constant, Content::ramp,  Content::noise,
-                                 Content::extremes, Content::scene, Content::holes,
-                                 Content::steps};
+enum class Content { constant, ramp, noise, extremes, scene, holes, steps, disparity };
+constexpr Content kContents[] = {Content::constant, Content::ramp,     Content::noise,
+                                 Content::extremes, Content::scene,    Content::holes,
+                                 Content::steps,    Content::disparity};
 
 /// Bytes of one frame. `scene`: planes with edges, noise and holes, as depth has them.
 inline Bytes make_picture(const ImageFormat& format, Content content, std::uint64_t seed) {
@@ -74,6 +74,9 @@ inline Bytes make_picture(const ImageFormat& format, Content content, std::uint6
                 break;
             case Content::holes:
                 value = random.chance(0.93) ? 0 : random.integer(1, top);
+                break;
+            case Content::disparity:
+                value = random.chance(0.1) || x % 13 == 0 ? 2047 : 600 + x / 3 + y / 5;
                 break;
             case Content::steps:
                 value = (x / 3 + y / 2) % 5 * 4099;

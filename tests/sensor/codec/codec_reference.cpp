@@ -78,7 +78,8 @@ struct Plane {
     int width = 0;
     int height = 0;
     std::vector<int> indices;
-    std::vector<int> values;  ///< gray16: of the indices from 1 on
+    std::vector<int> values{};  ///< gray16: of the indices from 1 on
+    int hole = 0;
 };
 
 struct Pixel {
@@ -182,7 +183,7 @@ void decode_stripes(Plane& plane, std::vector<std::uint32_t> states, int shift,
 }
 
 Plane decode_plane(Input& in, int width, int height, bool depth) {
-    Plane plane{width, height, {}, {}};
+    Plane plane{width, height, {}};
     if (width == 0 || height == 0) return plane;
     const std::uint32_t side_bytes = in.take(4);
     const std::uint32_t escape_bytes = in.take(4);
@@ -194,8 +195,9 @@ Plane decode_plane(Input& in, int width, int height, bool depth) {
     }
     Bits side{in.part(side_bytes)};
     if (depth) {
+        plane.hole = side.bits(16);
         const int count = side.number();
-        int value = 0;
+        int value = -1;
         for (int i = 0; i < count; ++i) {
             value += side.number() + 1;
             if (value > 65535) throw NoFrame();
@@ -245,7 +247,7 @@ Bytes decode_pixels(const ImageFormat& format, Input& in) {
             for (std::size_t i = 0; i < plane.indices.size(); ++i) {
                 const int index = plane.indices[i];
                 const int value =
-                    index == 0 ? 0 : plane.values[static_cast<std::size_t>(index) - 1];
+                    index == 0 ? plane.hole : plane.values[static_cast<std::size_t>(index) - 1];
                 out[2 * i] = static_cast<std::uint8_t>(value % 256);
                 out[2 * i + 1] = static_cast<std::uint8_t>(value / 256);
             }

@@ -119,8 +119,9 @@ TEST_P(RoundTrip, AFrameAfterADamagedOneIsWhole) {
     EXPECT_EQ(back, pixels);
 }
 
-TEST_P(RoundTrip, AWrongBitNeverMakesAnotherPicture) {
-    if (GetParam() == ImageCodec::raw) GTEST_SKIP() << "raw pixels carry no checksum";
+class Checked : public RoundTrip {};
+
+TEST_P(Checked, AWrongBitNeverMakesAnotherPicture) {
     const ImageFormat format{GetParam(), PixelLayout::gray16, 40, 30};
     Pair codec = make_pair(format);
     ASSERT_TRUE(codec.decoder);
@@ -137,12 +138,17 @@ TEST_P(RoundTrip, AWrongBitNeverMakesAnotherPicture) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Codecs, RoundTrip, testing::ValuesIn(test::kCodecs),
-                         [](const auto& param) {
-                             std::string name = codec_name(param.param);
-                             std::replace(name.begin(), name.end(), '+', '_');
-                             return name;
-                         });
+std::string name_of(const testing::TestParamInfo<ImageCodec>& param) {
+    std::string name = codec_name(param.param);
+    std::replace(name.begin(), name.end(), '+', '_');
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Codecs, RoundTrip, testing::ValuesIn(test::kCodecs), name_of);
+// Raw pixels carry no checksum.
+INSTANTIATE_TEST_SUITE_P(Codecs, Checked,
+                         testing::Values(ImageCodec::ffv1, ImageCodec::rvl_zstd, ImageCodec::fast),
+                         name_of);
 
 TEST(ImageFormat, WhatNoCodecHasIsRefused) {
     const auto refused = [](ImageFormat format) {
