@@ -18,7 +18,7 @@ struct TemporalParameters {
     double alpha = 0.15;
     double sigmas = 4.5;  ///< a change of so many sigmas is a jump and starts anew, 0.1 to 100000
     double noise_per_m = kKinectNoisePerM;  ///< sigma of inverse depth, 1/m, 0.00001 to 0.1
-    int persistence = 2;                    ///< frames that a lost pixel keeps its value, 0 to 250
+    int persistence = 1;                    ///< frames that a lost pixel keeps its value, 0 to 250
     /// The n-th frame after a jump weighs 1/n until that is less than alpha: noise falls at once.
     bool running = true;
     /// A change by the share u of a jump moves the weight by u^4 of the way to 1, so that slow

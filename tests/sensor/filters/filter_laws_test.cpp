@@ -222,6 +222,16 @@ TEST(FilterLaws, BothSidesShareWhatIsLostAtAnEdge) {
     }
 }
 
+TEST(FilterLaws, NothingOfAnEarlierFramesHolesIsLeft) {
+    const auto filter = make_filter<HoleFilter>(HoleParameters{.gap = 8});
+    Image<float> narrow(20, 40, 2.0f);
+    narrow.at(10, 10) = 0;
+    EXPECT_EQ(filtered(*filter, narrow), Image<float>(20, 40, 2.0f));
+    Image<float> tall(20, 40, 2.0f);
+    for (int y = 5; y < 21; ++y) std::fill(tall.row(y) + 8, tall.row(y) + 13, 0.0f);
+    EXPECT_EQ(filtered(*filter, tall), Image<float>(20, 40, 2.0f));
+}
+
 TEST(FilterLaws, HolesAtTheBorderStay) {
     Image<float> in(20, 20, 2.0f);
     for (int y = 0; y < 20; ++y) {
