@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -206,6 +207,9 @@ TEST_F(CompositeTest, TheOpenerSplitsOnlyWhatIsTwo) {
     const auto odd = dir.write("one+two/depth.txt", "");
     EXPECT_FALSE(opener.probe(odd.string()));
     EXPECT_FALSE(opener.probe((dir / "one+two").string()));
+    EXPECT_TRUE(opener.probe((dir / "one+fake:A").string()));
+    std::filesystem::create_directory(dir / "one+fake:A");
+    EXPECT_FALSE(opener.probe((dir / "one+fake:A").string()));
 
     auto made = open_source("fake:A+fake:B+C");
     ASSERT_TRUE(made) << made.error().to_string();

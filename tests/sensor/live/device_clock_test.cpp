@@ -177,6 +177,19 @@ TEST(DeviceClock, ABacklogAfterAStandstillKeepsItsTimes) {
     EXPECT_EQ(clock.jumps(), 0);
 }
 
+TEST(DeviceClock, OnePunctualStampIsEnoughToSetLateOnesRight) {
+    DeviceClock clock(kRate, 32);
+    SimulatedDevice device;
+    const TimeNs late[] = {20 * kNsPerMs, 0, 20 * kNsPerMs, 30 * kNsPerMs};
+    for (int i = 0; i < 4; ++i) {
+        const TimeNs now = (i + 1) * kPeriod;
+        const auto moment = clock.at(device.ticks(now), now + late[i]);
+        if (i > 0) {
+            EXPECT_LT(std::abs(moment.host_time - now), kNsPerMs) << i;
+        }
+    }
+}
+
 TEST(DeviceClock, TwoStreamsMayShareItAndSwapPlaces) {
     SimulatedDevice device{.drift = 1e-4};
     DeviceClock clock(kRate, 32);

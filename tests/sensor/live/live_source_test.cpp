@@ -75,6 +75,7 @@ TEST_F(LiveSourceTest, ComesBackByItselfAndEverythingGoesOnRising) {
     bus.plug("A");
     ASSERT_TRUE(eventually([&] { return source->stats().present; }));
     EXPECT_EQ(bus.setting("A", "tilt"), 5);
+    EXPECT_EQ(bus.watches(), 0);
     // The device counts from 0 again, in everything.
     for (int i = 0; i < 10; ++i) {
         ASSERT_TRUE(bus.put("A", StreamKind::depth,

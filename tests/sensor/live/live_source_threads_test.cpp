@@ -243,12 +243,13 @@ TEST_F(LiveSourceThreadsTest, AReplacedTapIsNotUnderWayAnyMore) {
     ASSERT_TRUE(source->subscribe(kDepth));
     const Writer writer(bus);
     std::atomic<int> calls = 0;
+    std::vector<std::unique_ptr<std::atomic<bool>>> states;
     for (int round = 0; round < 300; ++round) {
-        // Gone at the end of the round: a call still under way would touch freed memory.
-        auto alive = std::make_unique<std::atomic<bool>>(true);
-        ASSERT_TRUE(source->set_tap([&calls, state = alive.get()](StreamId, const StreamFrame&) {
+        states.push_back(std::make_unique<std::atomic<bool>>(true));
+        std::atomic<bool>& alive = *states.back();
+        ASSERT_TRUE(source->set_tap([&calls, state = &alive](StreamId, const StreamFrame&) {
             EXPECT_TRUE(*state);
-            std::this_thread::yield();
+            std::this_thread::sleep_for(std::chrono::microseconds(100));
             EXPECT_TRUE(*state);
             ++calls;
         }));
@@ -257,7 +258,7 @@ TEST_F(LiveSourceThreadsTest, AReplacedTapIsNotUnderWayAnyMore) {
             ASSERT_TRUE(eventually([&] { return calls > before; }));
         }
         ASSERT_TRUE(source->set_tap({}));
-        *alive = false;
+        alive = false;
     }
     EXPECT_GE(calls, 30);
 }
