@@ -15,6 +15,17 @@ namespace {
 
 constexpr std::string_view kReserved = "%&?+=# ";
 
+const char* meaning(StreamKind kind) {
+    switch (kind) {
+        case StreamKind::depth:
+            return "depth";
+        case StreamKind::infrared:
+            return "infrared";
+        default:
+            return "color";
+    }
+}
+
 std::string escaped(std::string_view text) {
     std::string out;
     for (const char c : text) {
@@ -61,8 +72,7 @@ Result<void> read_option(std::string_view key, const std::string& value, V4l2Add
     }
     if (key == "as") {
         for (const StreamKind kind : {StreamKind::depth, StreamKind::color, StreamKind::infrared})
-            if (value == stream_name(kind)) out.as = kind;
-        if (value == "colour") out.as = StreamKind::color;
+            if (value == meaning(kind) || value == stream_name(kind)) out.as = kind;
         if (!out.as)
             return fail(fmt::format("as={}", value), kWhere, "one of depth, infrared, color");
         return {};
@@ -128,7 +138,7 @@ std::string V4l2Address::to_string() const {
             options += fmt::format("{}{}={}", options.empty() ? "?" : "&", key, escaped(value));
     };
     add("node", node);
-    add("as", as ? stream_name(*as) : "");
+    add("as", as ? meaning(*as) : "");
     add("format", format);
     add("size", width > 0 ? fmt::format("{}x{}", width, height) : "");
     add("fps", fps > 0 ? fmt::format("{}", fps) : "");
