@@ -15,9 +15,10 @@ constexpr auto kInfrared = StreamKind::infrared;
 constexpr std::array kFormats{
     VideoFormat{V4L2_PIX_FMT_Z16, "Z16", "Z16", PixelCode::words, 16, kDepth},
     VideoFormat{V4L2_PIX_FMT_YUYV, "YUYV", "YUYV", PixelCode::yuyv, 8, kColor},
-    VideoFormat{V4L2_PIX_FMT_UYVY, "UYVY", "UYVY", PixelCode::uyvy, 8, kColor},
     VideoFormat{V4L2_PIX_FMT_MJPEG, "MJPG", "MJPEG", PixelCode::jpeg, 8, kColor},
     VideoFormat{V4L2_PIX_FMT_SGRBG8, "GRBG", "SGRBG8", PixelCode::bayer, 8, kColor},
+    // After Bayer: a Kinect gives this at half the rate.
+    VideoFormat{V4L2_PIX_FMT_UYVY, "UYVY", "UYVY", PixelCode::uyvy, 8, kColor},
     VideoFormat{V4L2_PIX_FMT_Y16, "Y16", "Y16", PixelCode::words, 16, kInfrared},
     VideoFormat{V4L2_PIX_FMT_Y16_BE, "Y16-BE", "Y16_BE", PixelCode::words_be, 16, kInfrared},
     VideoFormat{V4L2_PIX_FMT_Y12, "Y12", "Y12", PixelCode::words, 12, kInfrared},

@@ -87,8 +87,9 @@ TEST(Negotiation, AKinectInPictureModeGivesBayerOrWhatIsAskedFor) {
         const char* mode;
         double hz;
     } kCases[] = {
-        {"", StreamKind::color, "UYVY 640x480", 15},
-        {"?format=GRBG", StreamKind::color, "GRBG 640x480", 30},
+        {"", StreamKind::color, "GRBG 640x480", 30},
+        {"?format=UYVY", StreamKind::color, "UYVY 640x480", 15},
+        {"?as=color", StreamKind::color, "GRBG 640x480", 30},
         {"?format=SGRBG8&size=1280x1024", StreamKind::color, "GRBG 1280x1024", 10},
         {"?as=infrared", StreamKind::infrared, "Y10B 640x488", 30},
         {"?as=infrared&size=1280x1024", StreamKind::infrared, "Y10B 1280x1024", 10},
