@@ -49,8 +49,10 @@ struct PacketCounts {
     std::int64_t resyncs = 0;         ///< times when everything up to the next start was skipped
 };
 
-/// Packets of one endpoint to frames. What it promises, for any bytes at all: a byte of a frame is
-/// either what the device sent for that place of that very frame, or listed as missing.
+/// Packets of one endpoint to frames. What it promises whatever gets lost: a byte of a frame is
+/// either what the device sent for that place of that very frame, or listed as missing. (The one
+/// exception the 8-bit sequence leaves: exactly 256 packets in a row, or twice as many, and later
+/// in the same frame just those few whose flags would show it.)
 ///
 /// A packet's place follows from the 8-bit sequence numbers, which run on across frames. Frames
 /// are handed on at their last packet, or at the first one of the next. A frame is dropped, and
