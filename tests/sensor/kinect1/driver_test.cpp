@@ -327,6 +327,7 @@ TEST(Kinect1Controls, SetWhatTheDeviceHas) {
     EXPECT_EQ(controls.get("exposure_auto").value(), 0);
     ASSERT_TRUE(controls.set("white_balance_auto", 1));
     EXPECT_EQ(controls.get("white_balance_auto").value(), 1);
+    EXPECT_EQ(fake->camera.color_register(0x106), flags & ~(1 << 14));
     ASSERT_TRUE(controls.set("ir_brightness", 7));
     EXPECT_EQ(fake->camera.camera_register(0x15), 7);
     EXPECT_EQ(controls.get("ir_brightness").value(), 7);
@@ -362,6 +363,15 @@ TEST(Motor, AxesAndAngle) {
     negative[3] = 0xFF;
     EXPECT_NEAR(parse_motor_state(negative)->acceleration_m_s2[0], 9.80665 / 819, 1e-9);
     EXPECT_FALSE(parse_motor_state(test::Bytes(9)));
+}
+
+// Whatever this machine has plugged in, or no USB at all.
+TEST(LibusbBus, CanBeAsked) {
+    const auto devices = usb::libusb_bus()->list(0x045e);
+    EXPECT_TRUE(devices || !devices.error().what.empty());
+    const auto opened = usb::libusb_bus()->open({.port = "99-9", .address = 999});
+    ASSERT_FALSE(opened);
+    EXPECT_FALSE(opened.error().what.empty());
 }
 
 TEST(Units, PartsBehindOneHubBelongTogether) {

@@ -188,18 +188,21 @@ TEST(FrameClock, OneCounterGivesComparableTimes) {
     EXPECT_EQ(color.device_time - depth.device_time, 10 * kNsPerMs);
 }
 
+// With one clock for both, every stamp would be a jump and its time the arrival's.
 TEST(FrameClock, CountersThatDisagreeGetAClockEach) {
     FrameClock clock;
     const TimeNs t0 = 50 * kNsPerSecond;
-    (void)clock.at(0, 1'000'000, t0);
-    (void)clock.at(1, 3'000'000'000u, t0 + 10 * kNsPerMs);
+    TimeNs depth_before = clock.at(0, 1'000'000, t0).device_time;
+    TimeNs color_before = clock.at(1, 3'000'000'000u, t0 + 10 * kNsPerMs).device_time;
     for (std::uint32_t i = 1; i < 50; ++i) {
-        const TimeNs arrival = t0 + i * kNsPerSecond / 30;
-        const auto depth = clock.at(0, 1'000'000 + i * 2'000'000, arrival);
-        const auto color = clock.at(1, 3'000'000'000u + i * 2'000'000, arrival + 10 * kNsPerMs);
-        EXPECT_NEAR(static_cast<double>(depth.host_time), static_cast<double>(arrival), 1e6);
-        EXPECT_NEAR(static_cast<double>(color.host_time),
-                    static_cast<double>(arrival + 10 * kNsPerMs), 1e6);
+        const TimeNs arrival = t0 + i * kNsPerSecond / 30 + (i * 7 % 5) * kNsPerMs;
+        const TimeNs depth = clock.at(0, 1'000'000 + i * 2'000'000, arrival).device_time;
+        const TimeNs color =
+            clock.at(1, 3'000'000'000u + i * 2'000'000, arrival + 10 * kNsPerMs).device_time;
+        EXPECT_NEAR(static_cast<double>(depth - depth_before), 1e9 / 30, 10);
+        EXPECT_NEAR(static_cast<double>(color - color_before), 1e9 / 30, 10);
+        depth_before = depth;
+        color_before = color;
     }
 }
 
