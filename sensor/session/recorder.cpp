@@ -224,7 +224,7 @@ class ThreadedRecorder final : public Recorder {
             for (Item& item : batch) {
                 write([&] {
                     if (item.pose) return writer_.put_pose(*item.pose, now_ns());
-                    return item.is_frame() ? writer_.put(item.id, item.frame, now_ns())
+                    return item.is_frame() ? writer_.put(item.id, item.frame, item.bytes, now_ns())
                                            : writer_.put_event(item.event, now_ns());
                 });
                 done(item);

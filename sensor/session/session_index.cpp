@@ -98,11 +98,11 @@ class TopWalk {
         end_ = segment.end;
         budget_ = 4 * bytes_.size() + kMaxMeta;
         std::uint64_t at = segment.content;
-        index_.sound_end = at;
         while (at < end_) {
             const auto place = ebml_at(window_, at, end_);
             if (place && take(*place)) {
-                at = index_.sound_end = place->end;
+                at = place->end;
+                if (place->id == kCluster) index_.sound_end = at;
                 continue;
             }
             const auto head = read_ebml_head(window_.at(at, 12));
@@ -269,7 +269,8 @@ class ClusterWalk {
                 if (part->id == kBlockAdditional) bytes = *part;
                 in = part->end;
             }
-            if (id == kFrameNoteId && bytes) {
+            // mkvmerge keeps the note and forgets its number.
+            if ((id == kFrameNoteId || id == 1) && bytes) {
                 entry.note = bytes->content;
                 entry.note_size = bytes->end - bytes->content;
             }
@@ -395,6 +396,7 @@ Result<SessionIndex> index_session(const ByteSource& bytes, const std::string& w
     SessionIndex index;
     SessionMeta meta;
     index.closed = segment->closed;
+    index.missing_bytes = segment->missing;
     TopWalk(bytes, index, meta)
         .run(*segment,
              check == CheckClusters::all || !segment->closed || bytes.size() < kCheapSize);

@@ -48,7 +48,8 @@ struct SessionIndex {
     std::uint64_t skipped_bytes = 0;    ///< between sound elements
     /// Behind the last sound element: of a cluster that was never finished.
     std::uint64_t cut_bytes = 0;
-    std::uint64_t sound_end = 0;        ///< offset behind the last sound element
+    std::uint64_t missing_bytes = 0;    ///< that a closed file should have and has not
+    std::uint64_t sound_end = 0;        ///< offset behind the last sound cluster
     std::vector<std::string> findings;  ///< what a user must be told, whole sentences without stop
 };
 

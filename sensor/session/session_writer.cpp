@@ -13,6 +13,7 @@ constexpr TimeNs kStartWait = 400 * kNsPerMs;
 constexpr TimeNs kClusterWait = 500 * kNsPerMs;
 constexpr TimeNs kSyncEvery = kNsPerSecond;
 constexpr std::size_t kMaxWaiting = 256;
+constexpr std::size_t kMaxWaitingBytes = std::size_t{64} << 20;
 constexpr std::size_t kMaxCoders = 16;
 constexpr std::int64_t kTextTicks = 30 * kNsPerMs / kNsPerTick;
 constexpr std::int64_t kTicksPerSecond = kNsPerSecond / kNsPerTick;
@@ -94,7 +95,8 @@ bool SessionWriter::all_seen() const {
         [&](const StreamInfo& stream) { return !is_picture(stream.id.kind) || seen(stream.id); });
 }
 
-Result<void> SessionWriter::put(StreamId id, const StreamFrame& frame, TimeNs now) {
+Result<void> SessionWriter::put(StreamId id, const StreamFrame& frame, std::size_t bytes,
+                                TimeNs now) {
     const TimeNs time = host_time_of(frame);
     first_time_ = any_time_ ? std::min(first_time_, time) : time;
     last_time_ = any_time_ ? std::max(last_time_, time) : time;
@@ -102,7 +104,10 @@ Result<void> SessionWriter::put(StreamId id, const StreamFrame& frame, TimeNs no
     if (started_) return write_frame({id, frame}, now);
     waiting_.push_back({id, frame});
     if (!waiting_since_) waiting_since_ = now;
-    if (all_seen() || waiting_.size() >= kMaxWaiting) return start(now);
+    waiting_bytes_ += bytes;
+    if (all_seen() || waiting_.size() >= kMaxWaiting || waiting_bytes_ >= kMaxWaitingBytes) {
+        return start(now);
+    }
     return tick(now);
 }
 

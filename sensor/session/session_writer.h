@@ -27,8 +27,8 @@ class SessionWriter {
     SessionWriter(std::unique_ptr<RecordingFile> file, SourceInfo source, RigParameters rig,
                   RecorderOptions options, std::int64_t date_ns);
 
-    /// `frame` is of id.kind and not null.
-    Result<void> put(StreamId id, const StreamFrame& frame, TimeNs now);
+    /// `frame` is of id.kind and not null; `bytes` is what it weighs in memory.
+    Result<void> put(StreamId id, const StreamFrame& frame, std::size_t bytes, TimeNs now);
     Result<void> put_event(const SessionEvent& event, TimeNs now);
     Result<void> put_pose(const SessionPose& pose, TimeNs now);
     /// To be called when due(): writes what has waited long enough.
@@ -86,6 +86,7 @@ class SessionWriter {
     std::vector<Waiting> waiting_;  ///< before the head is written
     std::vector<SessionEvent> waiting_events_;
     std::vector<SessionPose> waiting_poses_;
+    std::size_t waiting_bytes_ = 0;
     std::optional<TimeNs> waiting_since_;
     std::vector<SessionTrack> tracks_;
     std::vector<Coder> coders_;

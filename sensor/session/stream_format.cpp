@@ -143,7 +143,7 @@ std::string codec_id_of(const StreamFormat& format) {
 std::string fourcc_of(const StreamFormat& format) {
     switch (format.image.layout) {
         case PixelLayout::gray16:
-            return "Y16 ";
+            return {'Y', '1', 0, 16};  // FFmpeg's and NUT's name of 16-bit grey, little-endian
         case PixelLayout::gray8:
         case PixelLayout::bayer8:
             break;

@@ -221,7 +221,7 @@ Result<void> write_all(SessionWriter& writer, const std::vector<PutFrame>& frame
         const TimeNs now = header != nullptr
                                ? header->host_time
                                : std::get<std::shared_ptr<const BodyFrame>>(put.frame)->time;
-        KINO_TRY(writer.put(put.id, put.frame, now));
+        KINO_TRY(writer.put(put.id, put.frame, 0, now));
     }
     return {};
 }

@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "sensor/session/crc32.h"
+#include "session_frames.h"
+#include "session_target.h"
+
+/// The fuzz target on seeded mutations, half of them with the clusters' check sums put right again
+/// so that damage gets past them.
+namespace kino {
+namespace {
+
+using Buffer = std::vector<std::uint8_t>;
+
+void change(Buffer& bytes, std::mt19937& random) {
+    if (bytes.empty()) return;
+    // Heads and tables are the interesting part: half of the changes go there.
+    const std::size_t range =
+        random() % 2 == 0 ? std::min<std::size_t>(bytes.size(), 4096) : bytes.size();
+    const std::size_t at = random() % range;
+    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    switch (random() % 6) {
+        case 0:
+            *place = static_cast<std::uint8_t>(random());
+            break;
+        case 1:
+            *place ^= static_cast<std::uint8_t>(1U << random() % 8);
+            break;
+        case 2:
+            *place = random() % 2 == 0 ? 0xFF : 0;
+            break;
+        case 3:
+            bytes.resize(at);
+            break;
+        case 4: {
+            const std::size_t length = std::min<std::size_t>(bytes.size() - at, random() % 30);
+            bytes.erase(place, place + static_cast<std::ptrdiff_t>(length));
+            break;
+        }
+        default: {
+            const std::size_t length = std::min<std::size_t>(bytes.size() - at, random() % 60);
+            const Buffer copy(place, place + static_cast<std::ptrdiff_t>(length));
+            bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(random() % bytes.size()),
+                         copy.begin(), copy.end());
+        }
+    }
+}
+
+void mend_sums(Buffer& bytes) {
+    for (std::size_t at = 0; at + 22 < bytes.size(); ++at) {
+        if (bytes[at] != 0x1F || bytes[at + 1] != 0x43 || bytes[at + 2] != 0xB6) continue;
+        std::size_t size = 0;
+        for (std::size_t i = 5; i < 12; ++i) size = size << 8 | bytes[at + i];
+        if (bytes[at + 12] != 0xBF || size < 6 || size > bytes.size() - at - 12) continue;
+        const std::uint32_t sum = crc32(std::span(bytes).subspan(at + 18, size - 6));
+        for (std::size_t i = 0; i < 4; ++i) {
+            bytes[at + 14 + i] = static_cast<std::uint8_t>(sum >> (8 * i));
+        }
+    }
+}
+
+TEST(SessionMutations, AnyBytesAreSafe) {
+    const test::FrameStyle style{.width = 12, .height = 8};
+    auto frames = test::frames_between(0, 20, style);
+    auto other = test::frames_between(20, 22, {.width = 16, .height = 10});
+    frames.insert(frames.end(), other.begin(), other.end());
+    for (const SessionCodec codec :
+         {SessionCodec::ffv1, SessionCodec::fast, SessionCodec::rvl, SessionCodec::raw}) {
+        RecorderOptions options;
+        options.codec = codec;
+        const Buffer seed = test::session_of(frames, options, style);
+        fuzz::session(seed);
+        std::mt19937 random(static_cast<unsigned>(codec) + 1);
+        for (int i = 0; i < 400; ++i) {
+            Buffer bytes = seed;
+            for (unsigned n = 0; n < 1 + random() % 5; ++n) change(bytes, random);
+            if (i % 2 == 0) mend_sums(bytes);
+            fuzz::session(bytes);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace kino
