@@ -13,6 +13,9 @@ constexpr Entry kEntries[] = {
     {"filters", "depth filters against synthetic truth, real frames and librealsense's defaults",
      &bench_filters},
 #endif
+#ifdef KINO_BENCH_CODECS
+    {"codecs", "lossless codecs of sessions against zstd, lz4, PNG and RVL", &bench_codecs},
+#endif
 #ifdef KINO_BENCH_RASTER
     {"raster", "drawing paths against the hardware path and the double-precision rasteriser",
      &bench_raster},

@@ -9,6 +9,7 @@ namespace kino {
 
 // The entries; each is defined in the file of its name.
 void bench_filters(BenchContext& context);
+void bench_codecs(BenchContext& context);
 void bench_raster(BenchContext& context);
 void bench_registration(BenchContext& context);
 
