@@ -13,46 +13,50 @@ std::size_t area(int width, int height) {
 
 class NoiseFeed : public Feed {
   public:
-    explicit NoiseFeed(std::uint64_t seed) : seed_(seed) {}
+    explicit NoiseFeed(std::uint64_t seed) : base_(area(1280, 1024)) {
+        for (std::size_t i = 0; i < base_.size(); i += 4) {
+            std::uint64_t random = mix(seed, i);
+            for (std::size_t k = i; k < i + 4; ++k, random >>= 16) {
+                base_[k] = static_cast<std::uint16_t>(random);
+            }
+        }
+    }
 
     // A step that has no common divisor with the modulus visits every value before it repeats.
     std::vector<std::uint16_t> depth(int n) const override {
-        return words(area(640, 480), 1, n, 61, 2047);
+        const unsigned shift = static_cast<unsigned>(n) * 61 % 2047;
+        std::vector<std::uint16_t> values(area(640, 480));
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const unsigned below = base_[i] & 2047u;
+            const unsigned value = (below == 2047 ? 0 : below) + shift;
+            values[i] = static_cast<std::uint16_t>(value >= 2047 ? value - 2047 : value);
+        }
+        return values;
     }
     std::vector<std::uint8_t> bayer(int n, int width, int height) const override {
-        return bytes(area(width, height), 2, n);
+        return bytes(area(width, height), n);
     }
     std::vector<std::uint16_t> infrared(int n, int width, int height) const override {
-        return words(area(width, height), 3, n, 37, 1024);
+        std::vector<std::uint16_t> values(area(width, height));
+        const unsigned shift = static_cast<unsigned>(n) * 37;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            values[i] = static_cast<std::uint16_t>((base_[i] + shift) & 1023);
+        }
+        return values;
     }
-    std::vector<std::uint8_t> uyvy(int n) const override { return bytes(area(1280, 480), 4, n); }
+    std::vector<std::uint8_t> uyvy(int n) const override { return bytes(area(1280, 480), n); }
 
   private:
-    std::vector<std::uint16_t> words(std::size_t count, std::uint64_t stream, int n, unsigned step,
-                                     unsigned modulus) const {
-        std::vector<std::uint16_t> values(count);
-        for (std::size_t i = 0; i < count; i += 4) {
-            std::uint64_t random = mix(seed_, stream, i);
-            for (std::size_t k = i; k < i + 4; ++k, random >>= 16) {
-                const auto base = static_cast<unsigned>(random & 0xffff);
-                values[k] =
-                    static_cast<std::uint16_t>((base + static_cast<unsigned>(n) * step) % modulus);
-            }
-        }
-        return values;
-    }
-    std::vector<std::uint8_t> bytes(std::size_t count, std::uint64_t stream, int n) const {
+    std::vector<std::uint8_t> bytes(std::size_t count, int n) const {
         std::vector<std::uint8_t> values(count);
-        for (std::size_t i = 0; i < count; i += 8) {
-            std::uint64_t random = mix(seed_, stream, i);
-            for (std::size_t k = i; k < i + 8; ++k, random >>= 8) {
-                values[k] = static_cast<std::uint8_t>(random + static_cast<unsigned>(n) * 101u);
-            }
+        const unsigned shift = static_cast<unsigned>(n) * 101;
+        for (std::size_t i = 0; i < count; ++i) {
+            values[i] = static_cast<std::uint8_t>((base_[i] >> 8) + shift);
         }
         return values;
     }
 
-    std::uint64_t seed_;
+    std::vector<std::uint16_t> base_;
 };
 
 class SceneFeed : public Feed {

@@ -9,10 +9,6 @@
 
 namespace kino::fake {
 
-bool SentFrame::whole() const {
-    return std::ranges::all_of(fates, [](PacketFate f) { return f == PacketFate::sent; });
-}
-
 PacketStream::PacketStream(PacketShape shape, Faults faults) : shape_(shape), faults_(faults) {}
 
 PacketFate PacketStream::fate(int frame, int packet) const {
@@ -35,14 +31,14 @@ void PacketStream::begin_frame(int number, std::uint32_t ticks,
                                std::span<const std::uint8_t> bytes) {
     const auto payload = static_cast<std::size_t>(shape_.payload);
     const std::size_t count = (bytes.size() + payload - 1) / payload;
-    SentFrame sent{.number = number, .ticks = ticks, .fates = {}};
+    SentFrame sent{.number = number, .ticks = ticks, .packets = {}};
     std::optional<WirePacket> delayed;
     for (std::size_t i = 0; i < count; ++i) {
         const auto part = bytes.subspan(i * payload, std::min(payload, bytes.size() - i * payload));
         PacketFate what = fate(number, static_cast<int>(i));
         // The last packet of a frame has no follower to swap with.
         if (what == PacketFate::swapped && (i + 1 == count || delayed)) what = PacketFate::sent;
-        sent.fates.push_back(what);
+        SentPacket record{.fate = what, .bytes = static_cast<int>(part.size()), .intact = 0};
 
         WirePacket packet;
         const int place = i == 0 ? 1 : i + 1 == count ? 5 : 2;
@@ -54,7 +50,10 @@ void PacketStream::begin_frame(int number, std::uint32_t ticks,
         if (what == PacketFate::shortened) {
             const auto keep = mix(faults_.seed, i, ticks) % part.size();
             packet.bytes.resize(12 + static_cast<std::size_t>(keep));
+            record.intact = static_cast<int>(keep);
         }
+        if (what == PacketFate::sent || what == PacketFate::swapped) record.intact = record.bytes;
+        sent.packets.push_back(record);
         if (what == PacketFate::failed) packet = {.bytes = {}, .status = -EXDEV};
         if (what == PacketFate::swapped) {
             delayed = std::move(packet);

@@ -25,12 +25,18 @@ struct Faults {
 
 enum class PacketFate : std::uint8_t { sent, lost, wrong_magic, shortened, swapped, failed };
 
+/// What truly happened to a packet.
+struct SentPacket {
+    PacketFate fate = PacketFate::sent;
+    int bytes = 0;   ///< of the frame, in it as it should have been
+    int intact = 0;  ///< of these, from its front on, what a host can make use of
+};
+
 /// What truly happened to a frame.
 struct SentFrame {
-    int number = 0;                    ///< of the feed
-    std::uint32_t ticks = 0;           ///< device time in its packets
-    std::vector<PacketFate> fates;     ///< of each packet begun so far
-    [[nodiscard]] bool whole() const;  ///< all were sent, in order
+    int number = 0;           ///< of the feed
+    std::uint32_t ticks = 0;  ///< device time in its packets
+    std::vector<SentPacket> packets;
 };
 
 /// How a stream is cut: `payload` bytes a packet, header flags `family` | 1, 2, 5.

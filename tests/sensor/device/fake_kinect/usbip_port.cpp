@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <sstream>
@@ -47,20 +48,50 @@ std::vector<std::uint8_t> reply_header(std::uint32_t command, std::uint32_t numb
     return bytes;
 }
 
-/// A free port of the bus for a device of that speed: the first ones take full and high speed.
-int free_port() {
+/// A line of the bus's own table.
+struct PortLine {
+    int port = -1;
+    int state = -1;      ///< of the kernel's enum usbip_device_status
+    std::string device;  ///< "1-2"; "0-0" if there is none
+};
+constexpr int kFree = 4;
+constexpr int kInUse = 6;
+
+/// The ports that take full and high speed.
+std::vector<PortLine> port_table() {
+    std::vector<PortLine> table;
     std::ifstream file(std::string(kBus) + "/status");
     std::string line;
     std::getline(file, line);
     while (std::getline(file, line)) {
         std::istringstream fields(line);
         std::string hub;
-        int port = -1;
-        int state = -1;
-        fields >> hub >> port >> state;
-        if (hub == "hs" && state == 4) return port;
+        std::string skipped;
+        PortLine entry;
+        fields >> hub >> entry.port >> entry.state >> skipped >> skipped >> skipped >> entry.device;
+        if (fields && hub == "hs") table.push_back(std::move(entry));
+    }
+    return table;
+}
+
+int free_port() {
+    for (const PortLine& line : port_table()) {
+        if (line.state == kFree) return line.port;
     }
     return -1;
+}
+
+template <class Condition>
+bool wait_for(Condition condition) {
+    for (int tries = 0; tries < 500; ++tries) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+}
+
+std::filesystem::path device_folder(const std::string& device) {
+    return std::filesystem::path("/sys/bus/usb/devices") / device;
 }
 
 Result<void> tell_bus(const std::string& file, const std::string& text) {
@@ -96,7 +127,29 @@ Result<std::unique_ptr<UsbIpPort>> UsbIpPort::plug(UsbFunction& function, std::u
         fmt::format("{} {} {} {}", port, ends[1], 0x10001 + port, function.identity().speed));
     close(ends[1]);  // the kernel has its own reference
     if (!attached) return tl::unexpected<Error>(attached.error());
+    if (!result->wait_until_configured()) {
+        return fail("the kernel does not take the device", function.identity().name);
+    }
     return result;
+}
+
+bool UsbIpPort::wait_until_configured() {
+    return wait_for([&] {
+        for (const PortLine& line : port_table()) {
+            if (line.port == port_ && line.state == kInUse) device_ = line.device;
+        }
+        std::error_code ignored;
+        return !device_.empty() &&
+               std::filesystem::exists(device_folder(device_ + ":1.0"), ignored);
+    });
+}
+
+void UsbIpPort::wait_until_forgotten() const {
+    if (device_.empty()) return;
+    (void)wait_for([&] {
+        std::error_code ignored;
+        return !std::filesystem::exists(device_folder(device_), ignored);
+    });
 }
 
 UsbIpPort::UsbIpPort(UsbFunction& function, int socket, int port, std::uint64_t cut_after)
@@ -114,10 +167,12 @@ UsbIpPort::~UsbIpPort() {
 }
 
 void UsbIpPort::unplug() {
-    if (gone_.exchange(true)) return;
-    (void)tell_bus("detach", std::to_string(port_));
-    const char byte = 0;
-    (void)!write(wake_[1], &byte, 1);
+    if (!gone_.exchange(true)) {
+        (void)tell_bus("detach", std::to_string(port_));
+        const char byte = 0;
+        (void)!write(wake_[1], &byte, 1);
+    }
+    wait_until_forgotten();
 }
 
 int UsbIpPort::milliseconds_to_wait() const {
@@ -138,7 +193,12 @@ void UsbIpPort::serve() {
         pollfd ready[2] = {{socket_, POLLIN, 0}, {wake_[0], POLLIN, 0}};
         if (poll(ready, 2, milliseconds_to_wait()) < 0 && errno != EINTR) break;
         if (ready[1].revents != 0) break;
-        if (ready[0].revents != 0 && !read_request()) break;
+        // All that waits: orders must not stand in line behind the packets they are about.
+        bool open = true;
+        while (open && ready[0].revents != 0) {
+            open = read_request() && poll(ready, 1, 0) >= 0;
+        }
+        if (!open) break;
         if (!pump()) break;
     }
     shutdown(socket_, SHUT_RDWR);

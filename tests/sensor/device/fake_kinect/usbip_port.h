@@ -18,9 +18,9 @@ namespace kino::fake {
 /// Documentation/usb/usbip_protocol.rst) on a socket pair whose other end vhci_hcd holds.
 class UsbIpPort {
   public:
-    /// Plugs it in; the kernel sees a new device. Fails without vhci_hcd or the right to use it.
-    /// `cut_after`: unplugged by itself once so many bytes have gone to the host, be it in the
-    /// middle of a reply; 0: never. The function outlives the port.
+    /// Plugs it in and waits until the kernel has configured it. Fails without vhci_hcd or the
+    /// right to use it. `cut_after`: unplugged by itself once so many bytes have gone to the host,
+    /// be it in the middle of a reply; 0: never. The function outlives the port.
     [[nodiscard]] static Result<std::unique_ptr<UsbIpPort>> plug(UsbFunction& function,
                                                                  std::uint64_t cut_after = 0);
     ~UsbIpPort();  ///< unplugs
@@ -29,7 +29,7 @@ class UsbIpPort {
 
     /// The device has left the bus, by itself or by unplug().
     [[nodiscard]] bool gone() const { return gone_; }
-    void unplug();  ///< the host is told that the port is empty; idempotent
+    void unplug();  ///< on return the kernel shows it no more; idempotent
 
   private:
     struct Request {
@@ -50,11 +50,14 @@ class UsbIpPort {
     bool read_all(void* to, std::size_t size);
     bool write_all(const std::vector<std::uint8_t>& bytes);
     [[nodiscard]] int milliseconds_to_wait() const;
+    bool wait_until_configured();
+    void wait_until_forgotten() const;
 
     UsbFunction& function_;
     int socket_ = -1;
     int wake_[2] = {-1, -1};
     int port_ = -1;
+    std::string device_;  ///< the kernel's name for it, "1-2"
     std::uint64_t cut_after_ = 0;
     std::uint64_t written_ = 0;
     std::map<std::uint32_t, std::deque<Request>> waiting_;  ///< by endpoint number

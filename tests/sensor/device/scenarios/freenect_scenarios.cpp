@@ -217,7 +217,7 @@ void depth_under_loss(const Report& report, double share) {
     Library library;
     if (library.device() == nullptr) return report.failure("cannot open the device");
     if (!library.start_depth(FREENECT_DEPTH_11BIT)) return report.failure("cannot start");
-    if (!library.pump(12, 0)) report.failure("process_events fails");
+    if (!library.pump(20, 0)) report.failure("process_events fails");
     library.stop();
     compare_depth(report, library, *kinect, 0);
 }
@@ -241,6 +241,7 @@ std::vector<Scenario> freenect_scenarios() {
     return {{"freenect_streams", depth_and_bayer},
             {"freenect_10bit_infrared", depth10_and_infrared},
             {"freenect_motor", motor},
+            {"freenect_loss_0.2", [](const Report& r) { depth_under_loss(r, 0.002); }},
             {"freenect_loss_1", [](const Report& r) { depth_under_loss(r, 0.01); }},
             {"freenect_loss_5", [](const Report& r) { depth_under_loss(r, 0.05); }},
             {"freenect_loss_10", [](const Report& r) { depth_under_loss(r, 0.10); }},

@@ -1,6 +1,5 @@
 // The kernel's own driver for the Kinect against the fake.
 
-#include <fmt/format.h>
 #include <linux/videodev2.h>
 
 #include <cstdint>
@@ -12,42 +11,13 @@
 
 #include "tests/sensor/device/fake_kinect/bits.h"
 #include "tests/sensor/device/fake_kinect/fake_kinect.h"
+#include "tests/sensor/device/scenarios/bound_kinect.h"
 #include "tests/sensor/device/scenarios/capture.h"
-#include "tests/sensor/device/scenarios/modules.h"
 #include "tests/sensor/device/scenarios/report.h"
 #include "tests/sensor/device/scenarios/truth.h"
 
 namespace kino::guest {
 namespace {
-
-constexpr const char* kModule = "gspca_kinect";
-constexpr std::uint64_t kSeed = 23;
-
-/// The fake with the kernel's driver bound to it.
-struct Bound {
-    std::unique_ptr<fake::Kinect> kinect;
-    std::string node;
-};
-
-std::unique_ptr<Bound> bind(const Report& report, bool depth_mode, fake::KinectOptions options) {
-    auto bound = std::make_unique<Bound>();
-    if (const auto in = insert_module(kModule, depth_mode ? "depth_mode=1" : ""); !in) {
-        report.failure(in.error().to_string());
-        return nullptr;
-    }
-    auto kinect = fake::Kinect::plug(fake::noise_feed(kSeed), std::move(options));
-    if (!kinect) {
-        report.failure(kinect.error().to_string());
-        return nullptr;
-    }
-    bound->kinect = std::move(*kinect);
-    bound->node = wait_for_video_node("gspca");
-    if (bound->node.empty()) {
-        report.failure("the kernel's driver made no node");
-        return nullptr;
-    }
-    return bound;
-}
 
 /// Which of the first frames of the feed these bytes are, or -1.
 int number_of(const std::vector<std::uint8_t>& bytes,
@@ -63,7 +33,7 @@ void capture(const Report& report, bool depth_mode, std::uint32_t fourcc, int he
              const std::function<std::vector<std::uint8_t>(const fake::Feed&, int)>& truth) {
     fake::KinectOptions options;
     options.camera.faults = {.seed = 5, .lost = lost};
-    const auto bound = bind(report, depth_mode, options);
+    const auto bound = bind_to_kernel(report, depth_mode, options);
     if (!bound) return;
     std::vector<CapturedFrame> frames;
     {
@@ -110,43 +80,14 @@ std::vector<std::uint8_t> depth10(const fake::Feed& feed, int n) {
     return fake::pack_bits(depth, 10);
 }
 
-void unplug(const Report& report) {
-    fake::KinectOptions options;
-    options.cut_after = 1'500'001;
-    const auto bound = bind(report, true, options);
-    if (!bound) return;
-    auto capture = Capture::start(bound->node, V4L2_PIX_FMT_Y10BPACK, 640, 480);
-    if (!capture) return report.failure(capture.error().to_string());
-    int frames = 0;
-    for (; frames < 100; ++frames) {
-        const auto frame = (*capture)->next();
-        if (frame) continue;
-        report.value("no_such_device", frame.error().what == "No such device" ? 1 : 0);
-        break;
-    }
-    report.value("frames", frames);
-}
-
 }  // namespace
 
 std::vector<Scenario> gspca_scenarios() {
-    return {
-        {"gspca_depth",
-         [](const Report& r) { capture(r, true, V4L2_PIX_FMT_Y10BPACK, 480, 6, 0, depth10); }},
-        {"gspca_color",
-         [](const Report& r) {
-             capture(r, false, V4L2_PIX_FMT_SGRBG8, 480, 6, 0,
-                     [](const fake::Feed& feed, int n) { return feed.bayer(n, 640, 480); });
-         }},
-        {"gspca_infrared",
-         [](const Report& r) {
-             capture(r, false, V4L2_PIX_FMT_Y10BPACK, 488, 4, 0, [](const fake::Feed& feed, int n) {
-                 return fake::pack_bits(feed.infrared(n, 640, 488), 10);
-             });
-         }},
-        {"gspca_loss_1",
-         [](const Report& r) { capture(r, true, V4L2_PIX_FMT_Y10BPACK, 480, 8, 0.01, depth10); }},
-        {"gspca_unplug", unplug}};
+    return {{"gspca_depth",
+             [](const Report& r) { capture(r, true, V4L2_PIX_FMT_Y10BPACK, 480, 6, 0, depth10); }},
+            {"gspca_loss_1", [](const Report& r) {
+                 capture(r, true, V4L2_PIX_FMT_Y10BPACK, 480, 8, 0.01, depth10);
+             }}};
 }
 
 }  // namespace kino::guest

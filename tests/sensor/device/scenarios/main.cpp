@@ -10,7 +10,8 @@
 int main(int argc, char** argv) {
     using namespace kino::guest;
     std::vector<Scenario> wanted;
-    for (auto* group : {freenect_scenarios, gspca_scenarios, vivid_scenarios}) {
+    for (auto* group : {freenect_scenarios, kinect1_scenarios, gspca_scenarios, v4l2_scenarios,
+                        recording_scenarios}) {
         for (Scenario& scenario : group()) {
             const bool named = std::any_of(argv + 1, argv + argc, [&](const char* begin) {
                 return scenario.name.starts_with(begin);

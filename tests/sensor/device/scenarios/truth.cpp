@@ -11,14 +11,15 @@ std::optional<fake::SentFrame> find_sent(const std::vector<fake::SentFrame>& sen
     return *found;
 }
 
-std::vector<RowRange> spoilt_rows(const fake::SentFrame& frame, int payload, int row_bytes,
-                                  int rows) {
+std::vector<RowRange> spoilt_rows(const fake::SentFrame& frame, int row_bytes) {
     std::vector<RowRange> ranges;
-    for (std::size_t i = 0; i < frame.fates.size(); ++i) {
-        if (frame.fates[i] == fake::PacketFate::sent) continue;
-        const int begin = static_cast<int>(i) * payload;
-        const int end = std::min(begin + payload, row_bytes * rows);
-        const int first = begin / row_bytes;
+    int begin = 0;
+    for (const fake::SentPacket& packet : frame.packets) {
+        const int end = begin + packet.bytes;
+        const int spoilt = begin + packet.intact;
+        begin = end;
+        if (spoilt == end) continue;
+        const int first = spoilt / row_bytes;
         const int past = (end + row_bytes - 1) / row_bytes;
         if (!ranges.empty() && first <= ranges.back().first + ranges.back().count) {
             ranges.back().count = std::max(ranges.back().count, past - ranges.back().first);

@@ -14,10 +14,9 @@ namespace kino::guest {
 [[nodiscard]] std::optional<fake::SentFrame> find_sent(const std::vector<fake::SentFrame>& sent,
                                                        std::uint32_t ticks);
 
-/// Rows that have a pixel in a packet whose fate is not `sent`, as rising ranges that do not touch.
-/// `payload` bytes a packet, `row_bytes` packed bytes a row of `rows`.
-[[nodiscard]] std::vector<RowRange> spoilt_rows(const fake::SentFrame& frame, int payload,
-                                                int row_bytes, int rows);
+/// Rows that have a byte which never arrived intact, as rising ranges that do not touch.
+/// `row_bytes` packed bytes a row.
+[[nodiscard]] std::vector<RowRange> spoilt_rows(const fake::SentFrame& frame, int row_bytes);
 
 /// Pixels whose value is not that of `truth`; all of them where the sizes differ.
 template <class Pixel>
