@@ -30,6 +30,9 @@ constexpr int kDefaultHeight = 720;
 /// A short recording is shown this long, so that a video of it can be looked at.
 constexpr TimeNs kLeastLength = 4 * kNsPerSecond;
 
+/// A stepper waits a second for a device; this often at most.
+constexpr int kDeviceWaits = 10;
+
 /// A name of a folder for a source: what a person would call it, without odd characters.
 std::string slug(const std::string& uri) {
     std::string name = fs::path(uri).filename().string();
@@ -128,7 +131,8 @@ Result<void> HeadlessRun::keep(const Image<Rgba8>& picture, TimeNs duration, con
 }
 
 Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
-    KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, options_.loop));
+    KINO_ASSIGN(OpenedSource opened,
+                open_for_playing(uri, {.mode = options_.loop, .filters = options_.filters}));
     Stepper stepper(std::move(opened));
     const std::int64_t frames = options_.frames.value_or(natural_length(stepper));
     std::error_code error;
@@ -143,6 +147,7 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
     renderer_.cut();
     TimeNs shown = 0;
     std::int64_t in_a_row = 0;
+    int silent_waits = 0;
     for (std::int64_t i = 0; i < frames && !interrupted(); ++i) {
         auto frame = stepper.next();
         if (!frame) {
@@ -156,7 +161,20 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
                 return fail(frame.error(), uri);
             continue;
         }
-        if (!*frame) break;
+        if (!*frame) {
+            if (stepper.round() > 0) break;
+            // A device: it may be slow to start, or away for a while.
+            if (++silent_waits >= kDeviceWaits) {
+                return fail(fmt::format("nothing came for {} s", kDeviceWaits), uri);
+            }
+            --i;
+            continue;
+        }
+        silent_waits = 0;
+        if (!(*frame)->surface) {
+            return fail("brings no depth, so there is nothing to draw in 3D", uri,
+                        "a window shows its pictures");
+        }
         in_a_row = 0;
         const TimeNs began = now_ns();
         KINO_ASSIGN(FrameResult drawn, draw(**frame, stepper, to_seconds(shown)));
@@ -172,6 +190,8 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
         source.read.add(times.read);
         source.color_conversion.add(times.color);
         source.registration.add(times.registration);
+        source.filter.add(times.filter);
+        if (stepper.round() == 0) source.arrive.add((*frame)->arrived - (*frame)->set.time);
         source.render.add(rendered - began);
         source.render_device.add(drawn.report.submit_to_fence);
         source.write.add(now_ns() - rendered);

@@ -8,6 +8,7 @@
 
 #include "apps/viewer/camera_control.h"
 #include "sensor/playback.h"
+#include "sensor/session/recorder.h"
 #include "viz/scene/scene.h"
 #include "viz/surface/depth_rasterizer.h"
 
@@ -24,6 +25,9 @@ struct ReplayOptions {
     std::optional<ViewKind> view;
     std::optional<ColorMode> color;
     std::optional<LoopMode> loop;
+    std::string filters;           ///< of depth, as DepthFilterChain::parse() reads them
+    std::filesystem::path record;  ///< live: a session that is written from the start
+    SessionCodec codec = SessionCodec::ffv1;
     std::filesystem::path headless;  ///< empty: a window
     std::optional<std::int64_t> frames;
     std::optional<int> width, height;

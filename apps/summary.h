@@ -26,8 +26,9 @@ struct SourceSummary {
     std::vector<std::string> passes;  ///< of the last frame
     std::int64_t device_bytes = 0;
     std::string first_error;
-    // Different every time:
-    TimeSeries read, color_conversion, registration, render, render_device, write;
+    // Different every time; `arrive` is from the sensor to here, of devices only:
+    TimeSeries arrive;
+    TimeSeries read, color_conversion, filter, registration, render, render_device, write;
 };
 
 struct Summary {

@@ -165,9 +165,9 @@ struct Score {
     double decode_ms = 0;
 };
 
-/// Adds the set's rows and answers each codec's figures.
+/// Adds the set's rows and answers each codec's figures; without times if not `timed`.
 std::map<std::string, Score> measure(BenchContext& context, const std::string& name,
-                                     const std::vector<Picture>& pictures) {
+                                     const std::vector<Picture>& pictures, bool timed) {
     const std::vector<Codec> codecs = codecs_of(pictures.front().format.layout);
     std::map<std::string, std::vector<Bytes>> coded;
     std::vector<bench::Candidate> encoders;
@@ -197,9 +197,6 @@ std::map<std::string, Score> measure(BenchContext& context, const std::string& n
                                 }
                             }});
     }
-    const bench::RepeatOptions repeats{.repeats = 25, .max_seconds = 20};
-    const bench::Comparison encode = context.compare("encode " + name, encoders, repeats);
-    const bench::Comparison decode = context.compare("decode " + name, decoders, repeats);
     const auto count = static_cast<double>(pictures.size());
     const std::string case_name =
         fmt::format("{}, {} frame{}", name, pictures.size(), pictures.size() == 1 ? "" : "s");
@@ -207,8 +204,23 @@ std::map<std::string, Score> measure(BenchContext& context, const std::string& n
     for (const Codec& codec : codecs) {
         std::size_t after = 0;
         for (const Bytes& frame : coded[codec.name]) after += frame.size();
+        scores[codec.name].ratio = static_cast<double>(before) / static_cast<double>(after);
+    }
+    if (!timed) {
+        for (const auto& [level, score] : scores) {
+            context.add({.case_name = case_name,
+                         .knob = "size",
+                         .level = level,
+                         .error = score.ratio,
+                         .metric = "ratio"});
+        }
+        return scores;
+    }
+    const bench::RepeatOptions repeats{.repeats = 25, .max_seconds = 20};
+    const bench::Comparison encode = context.compare("encode " + name, encoders, repeats);
+    const bench::Comparison decode = context.compare("decode " + name, decoders, repeats);
+    for (const Codec& codec : codecs) {
         Score& score = scores[codec.name];
-        score.ratio = static_cast<double>(before) / static_cast<double>(after);
         const auto add = [&](const char* knob, const bench::Comparison& times) {
             const bool is_base = codec.name == "FFV1";
             context.add(
@@ -218,7 +230,7 @@ std::map<std::string, Score> measure(BenchContext& context, const std::string& n
                  .ms_median = times[codec.name].median_ms() / count,
                  .ms_p95 = times[codec.name].p95_ms() / count,
                  .error = score.ratio,
-                 .metric = fmt::format("ratio, against ms to {}", knob),
+                 .metric = fmt::format("ratio, {}, {}", name, knob),
                  .baseline = is_base ? "" : "FFV1",
                  .speedup = is_base ? bench::kNotMeasured : times.speedup(codec.name, "FFV1")});
             return times[codec.name].median_ms() / count;
@@ -300,8 +312,8 @@ void bench_codecs(BenchContext& context) {
     const auto sets = read_all();
     if (!sets) return context.fail(sets.error());
     for (const auto& [name, pictures] : *sets) {
-        if (context.quick() && name.starts_with(kDepth) && name != kAllDepth) continue;
-        auto scores = measure(context, name, pictures);
+        const bool timed = !name.starts_with(kDepth) || name == kAllDepth;
+        auto scores = measure(context, name, pictures, timed);
         if (name != kAllDepth) continue;
         const Score fast = scores["fast"];
         context.claim(fmt::format("real depth, 640x480, one thread: the fast codec shrinks it at "

@@ -11,13 +11,16 @@ constexpr auto kLook = std::chrono::milliseconds(2);
 constexpr TimeNs kDeviceWait = 50 * kNsPerMs;
 }  // namespace
 
-LiveRunner::LiveRunner(OpenedSource opened, LiveOptions options)
+LiveRunner::LiveRunner(OpenedSource opened, LiveRunnerOptions options)
     : opened_(std::move(opened)), clock_(std::move(options.clock)) {
     if (const Timeline* timeline = opened_.source->timeline()) {
         const TimeNs now = clock_();
         playback_.emplace(*timeline, opened_.mode, now);
         playback_->set_speed(options.speed, now);
     }
+    info_ = opened_.source->info();
+    if (auto rig = opened_.source->calibration()) rig_ = std::move(*rig);
+    controls_ = opened_.source->controls();
     thread_ = std::thread([this] { run(); });
 }
 
@@ -93,12 +96,85 @@ void LiveRunner::set_mode(LoopMode mode) {
     change([&](Playback& playback, TimeNs now) { playback.set_mode(mode, now); });
 }
 
+Result<void> LiveRunner::start_recording(const std::filesystem::path& file, SessionCodec codec) {
+    const std::lock_guard lock(mutex_);
+    if (status_.is_recording) return fail("a recording is under way already", file.string());
+    KINO_ASSIGN(std::shared_ptr<Recorder> recorder,
+                Recorder::create(file, info_, rig_, {.codec = codec}));
+    wanted_recorder_ = std::move(recorder);
+    status_.is_recording = true;
+    status_.recording = wanted_recorder_->status();
+    return {};
+}
+
+void LiveRunner::stop_recording() {
+    {
+        const std::lock_guard lock(mutex_);
+        wanted_recorder_ = nullptr;
+    }
+    changed_.notify_all();
+}
+
+/// Takes up and lays down recorders as start_recording() and stop_recording() said.
+void LiveRunner::follow_recording() {
+    std::shared_ptr<Recorder> wanted;
+    {
+        const std::lock_guard lock(mutex_);
+        wanted = wanted_recorder_;
+        if (recorder_ && recorder_ == wanted) status_.recording = recorder_->status();
+    }
+    if (wanted == recorder_) return;
+    if (recorder_) end_recording(std::exchange(recorder_, nullptr));
+    if (!wanted) return;
+    recorder_is_tapped_ = opened_.source->set_tap(
+        [wanted](StreamId id, const StreamFrame& frame) { wanted->put(id, frame); });
+    recorder_ = std::move(wanted);
+}
+
+/// Sees each set of a source without a tap while a recording is under way.
+std::function<void(const FrameSet&)> LiveRunner::to_recorder() {
+    if (!recorder_ || recorder_is_tapped_) return {};
+    return [this](const FrameSet& set) { recorder_->put(set); };
+}
+
+void LiveRunner::end_recording(const std::shared_ptr<Recorder>& recorder) {
+    if (recorder_is_tapped_) (void)opened_.source->set_tap({});
+    const auto closed = recorder->close();
+    const std::lock_guard lock(mutex_);
+    status_.recording = recorder->status();
+    if (!closed && status_.recording->error.empty()) {
+        status_.recording->error = closed.error().to_string();
+    }
+    status_.is_recording = wanted_recorder_ != nullptr;
+}
+
+void LiveRunner::hear_events() {
+    const std::vector<Event> events = opened_.source->take_events();
+    if (recorder_) {
+        for (const Event& event : events) recorder_->put_event(event);
+    }
+    const std::lock_guard lock(mutex_);
+    for (const Event& event : events) {
+        ++status_.events;
+        status_.last_event = event.text;
+        if (event.kind == EventKind::lost) status_.present = false;
+        if (event.kind == EventKind::back) status_.present = true;
+        // A timeline's end is a matter of the loop mode.
+        if (event.kind == EventKind::ended && !playback_) status_.finished = true;
+    }
+}
+
 void LiveRunner::run() {
     if (playback_) {
         run_timeline();
     } else {
         run_device();
     }
+    {
+        const std::lock_guard lock(mutex_);
+        wanted_recorder_ = nullptr;
+    }
+    follow_recording();
 }
 
 void LiveRunner::count_skipped(std::int64_t from, std::int64_t to) {
@@ -127,6 +203,11 @@ void LiveRunner::run_timeline() {
     while (!stopping_) {
         const std::int64_t due = playback_->due(clock_());
         if (last && due == *last) {
+            if (recorder_ != wanted_recorder_) {
+                lock.unlock();
+                follow_recording();
+                lock.lock();
+            }
             changed_.wait_for(lock, kLook);
             continue;
         }
@@ -134,7 +215,9 @@ void LiveRunner::run_timeline() {
         jumped_ = false;
         last = due;
         lock.unlock();
-        deliver(read_frame(opened_, due, kNsPerSecond));
+        follow_recording();
+        deliver(read_frame(opened_, due, kNsPerSecond, to_recorder()));
+        hear_events();
         lock.lock();
     }
 }
@@ -144,16 +227,14 @@ void LiveRunner::run_device() {
     while (!stopping_ && !status_.finished) {
         const bool paused = device_paused_;
         lock.unlock();
-        Result<std::optional<ProcessedFrame>> frame = read_frame(opened_, {}, kDeviceWait);
-        bool ended = false;
-        for (const Event& event : opened_.source->take_events()) {
-            ended = ended || event.kind == EventKind::ended;
-        }
+        follow_recording();
+        Result<std::optional<ProcessedFrame>> frame =
+            read_frame(opened_, {}, kDeviceWait, to_recorder());
+        hear_events();
         const bool failed = !frame;
         const bool nothing = frame && !*frame;
         if (!nothing && (!paused || failed)) deliver(std::move(frame));
         lock.lock();
-        status_.finished = ended;
         // A source that fails at once and for ever must not burn a processor.
         if (failed) changed_.wait_for(lock, kLook);
     }

@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -11,10 +12,11 @@
 
 #include "apps/pipeline/opened_source.h"
 #include "base/mailbox.h"
+#include "sensor/session/recorder.h"
 
 namespace kino {
 
-struct LiveOptions {
+struct LiveRunnerOptions {
     double speed = 1;
     /// The host clock; tests bring their own. Called from both threads.
     std::function<TimeNs()> clock = now_ns;
@@ -33,6 +35,11 @@ struct LiveStatus {
     std::int64_t dropped = 0;
     std::int64_t errors = 0;  ///< frames that could not be read or processed
     std::string last_error;
+    bool present = true;     ///< the device is there; it goes with `lost` and comes with `back`
+    std::string last_event;  ///< what the source last said, for a person
+    std::int64_t events = 0;
+    std::optional<RecorderStatus> recording;  ///< while one is under way, and its end afterwards
+    bool is_recording = false;
 };
 
 /// Plays a source by the clock on a thread of its own: reads the frame that is due, registers it,
@@ -40,7 +47,7 @@ struct LiveStatus {
 /// A frame that cannot be read is counted and told, and playing goes on.
 class LiveRunner {
   public:
-    explicit LiveRunner(OpenedSource opened, LiveOptions options = {});
+    explicit LiveRunner(OpenedSource opened, LiveRunnerOptions options = {});
     ~LiveRunner();  ///< as stop()
     LiveRunner(const LiveRunner&) = delete;
     LiveRunner& operator=(const LiveRunner&) = delete;
@@ -63,6 +70,18 @@ class LiveRunner {
     void set_speed(double speed);
     void set_mode(LoopMode mode);
 
+    /// From the next frame on everything the source brings goes into a new session at `file`: of
+    /// devices all frames of all streams, of recordings what is played. Fails where
+    /// Recorder::create does, and while a recording is under way.
+    [[nodiscard]] Result<void> start_recording(const std::filesystem::path& file,
+                                               SessionCodec codec);
+    /// The file is ended on the runner's thread soon after; status().is_recording tells.
+    void stop_recording();
+
+    /// The device's knobs, as long as the runner lives; null for sources that have none. Callable
+    /// from any thread.
+    [[nodiscard]] Controls* controls() const { return controls_; }
+
     /// Ends the thread; at most one frame's reading time later it has joined. Idempotent.
     void stop();
 
@@ -72,6 +91,10 @@ class LiveRunner {
     void run_device();
     void deliver(Result<std::optional<ProcessedFrame>> frame);
     void count_skipped(std::int64_t from, std::int64_t to);
+    void hear_events();
+    void follow_recording();
+    std::function<void(const FrameSet&)> to_recorder();
+    void end_recording(const std::shared_ptr<Recorder>& recorder);
     template <class Change>
     void change(Change&& apply);
 
@@ -86,6 +109,14 @@ class LiveRunner {
     bool device_paused_ = false;
     bool jumped_ = true;  ///< the due frame moved by command, not by time: nothing was skipped
     bool stopping_ = false;
+    std::shared_ptr<Recorder> wanted_recorder_;
+    // Of the runner's thread:
+    std::shared_ptr<Recorder> recorder_;
+    bool recorder_is_tapped_ = false;
+
+    SourceInfo info_;
+    RigParameters rig_;  ///< as the source says, before any filter
+    Controls* controls_ = nullptr;
     std::thread thread_;
 };
 

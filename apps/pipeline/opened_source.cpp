@@ -4,31 +4,47 @@
 
 namespace kino {
 
+Result<void> subscribe_what_goes(Source& source) {
+    bool any = false;
+    std::optional<Error> refused;
+    for (const StreamInfo& stream : source.info().streams) {
+        if (auto subscribed = source.subscribe(stream.id)) {
+            any = true;
+        } else if (!refused) {
+            refused = std::move(subscribed).error();
+        }
+    }
+    // A recording whose streams do not open is broken; a device may have to choose.
+    if (refused && (!any || source.timeline() != nullptr)) return fail(*refused);
+    return {};
+}
+
 Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
-                                         std::optional<LoopMode> wanted_mode) {
+                                         const PlayOptions& options) {
     const std::string uri = source->info().uri;
-    KINO_TRY(subscribe_all(*source));
+    KINO_TRY(subscribe_what_goes(*source));
     auto rig = source->calibration();
     if (!rig) return fail(rig.error(), uri);
-    auto processor = Processor::create(*rig);
+    KINO_ASSIGN(DepthFilterChain filters, DepthFilterChain::parse(options.filters));
+    auto processor = Processor::create(*rig, {}, std::move(filters));
     if (!processor) return fail(processor.error(), uri);
     LoopMode mode = LoopMode::loop;
-    if (wanted_mode) {
-        mode = *wanted_mode;
+    if (options.mode) {
+        mode = *options.mode;
     } else if (const Timeline* timeline = source->timeline()) {
         mode = natural_loop(*timeline);
     }
     return OpenedSource{std::move(source), std::move(*processor), mode};
 }
 
-Result<OpenedSource> open_for_playing(const std::string& uri, std::optional<LoopMode> wanted_mode) {
+Result<OpenedSource> open_for_playing(const std::string& uri, const PlayOptions& options) {
     KINO_ASSIGN(auto source, open_source(uri));
-    return prepare_for_playing(std::move(source), wanted_mode);
+    return prepare_for_playing(std::move(source), options);
 }
 
-Result<std::optional<ProcessedFrame>> read_frame(OpenedSource& opened,
-                                                 std::optional<std::int64_t> index,
-                                                 TimeNs timeout) {
+Result<std::optional<ProcessedFrame>> read_frame(
+    OpenedSource& opened, std::optional<std::int64_t> index, TimeNs timeout,
+    const std::function<void(const FrameSet&)>& on_set) {
     const TimeNs began = now_ns();
     if (Timeline* timeline = opened.source->timeline(); timeline != nullptr && index) {
         if (const std::int64_t ahead = *index - timeline->position(); ahead != 0) {
@@ -42,6 +58,7 @@ Result<std::optional<ProcessedFrame>> read_frame(OpenedSource& opened,
     KINO_ASSIGN(std::optional<FrameSet> set, opened.source->next(timeout));
     if (!set) return std::nullopt;
     const TimeNs read = now_ns() - began;
+    if (on_set) on_set(*set);
     KINO_ASSIGN(ProcessedFrame frame, opened.processor.process(std::move(*set)));
     frame.times.read = read;
     return frame;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,18 +18,29 @@ struct OpenedSource {
     LoopMode mode = LoopMode::loop;  ///< as asked for, else what suits the recording
 };
 
-/// Opens, subscribes, calibrates. `wanted_mode` empty: natural_loop().
+/// How a source is to be played.
+struct PlayOptions {
+    std::optional<LoopMode> mode;  ///< empty: natural_loop()
+    std::string filters;           ///< as DepthFilterChain::parse() reads them
+};
+
+/// Subscribes to every stream; a device's that exclude each other as far as they go together, in
+/// the order in which it lists them.
+[[nodiscard]] Result<void> subscribe_what_goes(Source& source);
+
+/// Opens, subscribes, calibrates. Streams that cannot be had beside the others (a Kinect v1 sends
+/// colour or infrared) are left out.
 [[nodiscard]] Result<OpenedSource> open_for_playing(const std::string& uri,
-                                                    std::optional<LoopMode> wanted_mode = {});
+                                                    const PlayOptions& options = {});
 
 /// The same for a source that is open already.
 [[nodiscard]] Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
-                                                       std::optional<LoopMode> wanted_mode = {});
+                                                       const PlayOptions& options = {});
 
 /// Reads the frame at `index` of a timeline, or whatever a live device brings next, and processes
-/// it. Empty: nothing came in time.
-[[nodiscard]] Result<std::optional<ProcessedFrame>> read_frame(OpenedSource& opened,
-                                                               std::optional<std::int64_t> index,
-                                                               TimeNs timeout);
+/// it. Empty: nothing came in time. `on_set`: sees the set before it is processed.
+[[nodiscard]] Result<std::optional<ProcessedFrame>> read_frame(
+    OpenedSource& opened, std::optional<std::int64_t> index, TimeNs timeout,
+    const std::function<void(const FrameSet&)>& on_set = {});
 
 }  // namespace kino

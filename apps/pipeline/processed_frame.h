@@ -12,21 +12,25 @@ namespace kino {
 
 /// Host time each stage took for one frame.
 struct StageTimes {
-    TimeNs read = 0;          ///< the source: file, decoding of depth
+    TimeNs read = 0;          ///< the source: file, decoding of depth; of a device: waiting for it
     TimeNs color = 0;         ///< colour conversion
+    TimeNs filter = 0;        ///< depth filters
     TimeNs registration = 0;  ///< depth to metres, colour into the depth grid
 };
 
 /// A frame set on its way from the source to the scene. Immutable and shared by count.
 struct ProcessedFrame {
     FrameSet set;
+    /// Null where the set has no depth: there are only pictures to show.
     std::shared_ptr<const DepthSurface> surface;
     /// The colour picture as the camera saw it; null where the source has none. The last known one
     /// if this depth frame has no partner (`color_paired` of the set).
     std::shared_ptr<const Image<Rgba8>> color;
     std::int64_t valid_points = 0;  ///< depth pixels with a reading
     StageTimes times;
-    std::uint64_t version = 0;  ///< surface->version: differs from frame to frame
+    TimeNs arrived = 0;         ///< host clock: the source handed the set over
+    TimeNs ready = 0;           ///< host clock: this frame was made
+    std::uint64_t version = 0;  ///< differs from frame to frame
 };
 
 }  // namespace kino

@@ -9,6 +9,7 @@
 
 #include "calibration/color_in_depth.h"
 #include "sensor/color_conversion.h"
+#include "sensor/filters/linear_depth.h"
 
 namespace kino {
 namespace {
@@ -30,9 +31,19 @@ void dim(Image<Rgba8>& image) {
 
 }  // namespace
 
-Result<Processor> Processor::create(const RigParameters& parameters, const RigOptions& options) {
-    KINO_ASSIGN(Rig rig, Rig::create(parameters, options));
-    return Processor(std::move(rig));
+Result<Processor> Processor::create(const RigParameters& parameters, const RigOptions& options,
+                                    DepthFilterChain filters) {
+    RigParameters seen = parameters;
+    seen.depth = filters.camera(parameters.depth);
+    KINO_ASSIGN(Rig rig, Rig::create(seen, options));
+    Processor processor(std::move(rig));
+    if (!filters.empty()) {
+        RigParameters depth_only = parameters;
+        depth_only.color.reset();
+        KINO_ASSIGN(processor.metres_, Rig::create(std::move(depth_only), options));
+        processor.filters_ = std::move(filters);
+    }
+    return processor;
 }
 
 Processor::Processor(Rig rig)
@@ -51,17 +62,22 @@ Result<void> Processor::take_color(const FrameSet& set) {
     return {};
 }
 
-Result<ProcessedFrame> Processor::process(FrameSet set) {
-    if (!set.depth) return fail(fmt::format("frame {} has no depth", set.index));
-    ProcessedFrame out;
-    const TimeNs began = now_ns();
-    KINO_TRY(take_color(set));
-    const TimeNs decoded = now_ns();
+Result<const DepthFrame*> Processor::filtered(const FrameSet& set) {
+    if (filters_.empty()) return set.depth.get();
+    KINO_TRY(metres_->register_depth(*set.depth, unfiltered_));
+    filters_.apply(unfiltered_.depth_m, filtered_m_);
+    linear_depth(filtered_m_, filtered_);
+    return &filtered_;
+}
 
+Result<void> Processor::make_surface(const FrameSet& set, ProcessedFrame& out) {
+    const TimeNs began = now_ns();
+    KINO_ASSIGN(const DepthFrame* const depth, filtered(set));
+    const TimeNs filtered = now_ns();
     std::shared_ptr<DepthSurface> surface = surfaces_.take();
     // The rig writes into the surface's own memory; the images change places instead of a copy.
     std::swap(registered_.depth_m, surface->depth_m);
-    Result<void> done = rig_.register_depth(*set.depth, registered_);
+    Result<void> done = rig_.register_depth(*depth, registered_);
     std::swap(registered_.depth_m, surface->depth_m);
     KINO_TRY(std::move(done));
     if (last_color_ && rig_.parameters().color) {
@@ -72,16 +88,29 @@ Result<ProcessedFrame> Processor::process(FrameSet set) {
     }
     surface->rays = rays_;
     surface->focal_px = rig_.parameters().depth.fx;
-    surface->version = next_version();
-
-    out.times = {.color = decoded - began, .registration = now_ns() - decoded};
+    surface->version = out.version;
+    out.times.filter = filtered - began;
+    out.times.registration = now_ns() - filtered;
     out.valid_points =
         std::count_if(surface->depth_m.pixels().begin(), surface->depth_m.pixels().end(),
                       [](float z) { return z > 0; });
-    out.color = last_color_;
-    out.version = surface->version;
     out.surface = std::move(surface);
+    return {};
+}
+
+Result<ProcessedFrame> Processor::process(FrameSet set) {
+    if (!set.depth && !set.color && !set.infrared) {
+        return fail(fmt::format("frame {} has no picture", set.index));
+    }
+    ProcessedFrame out;
+    out.arrived = now_ns();
+    out.version = next_version();
+    KINO_TRY(take_color(set));
+    out.times.color = now_ns() - out.arrived;
+    if (set.depth) KINO_TRY(make_surface(set, out));
+    out.color = last_color_;
     out.set = std::move(set);
+    out.ready = now_ns();
     return out;
 }
 

@@ -5,6 +5,7 @@
 #include "apps/pipeline/processed_frame.h"
 #include "apps/pipeline/recycling_pool.h"
 #include "calibration/rig.h"
+#include "sensor/filters/depth_filter_chain.h"
 
 namespace kino {
 
@@ -17,25 +18,40 @@ constexpr double kUnpairedBrightness = 0.5;
 /// few frames nothing big is allocated.
 class Processor {
   public:
-    /// Fails where Rig::create does.
+    /// Fails where Rig::create does. `filters` work on the depth before it is registered; with
+    /// decimation, rig() is that of the smaller picture.
     [[nodiscard]] static Result<Processor> create(const RigParameters& parameters,
-                                                  const RigOptions& options = {});
+                                                  const RigOptions& options = {},
+                                                  DepthFilterChain filters = {});
 
-    /// Fails for a set without depth and where Rig::register_depth or to_rgba8 do; the next frame
-    /// is not touched by that. `times.read` is left 0.
+    /// Fails for a set without any picture and where Rig::register_depth or to_rgba8 do; the next
+    /// frame is not touched by that. `times.read` is left 0.
     [[nodiscard]] Result<ProcessedFrame> process(FrameSet set);
 
-    /// What the last frame left behind (the last colour) is forgotten: after a seek.
-    void forget() { last_color_.reset(); }
+    /// What the last frames left behind (the last colour, what filters hold) is forgotten: after a
+    /// seek.
+    void forget() {
+        last_color_.reset();
+        filters_.reset();
+    }
 
     [[nodiscard]] const Rig& rig() const { return rig_; }
+    [[nodiscard]] const DepthFilterChain& filters() const { return filters_; }
 
   private:
     explicit Processor(Rig rig);
 
     Result<void> take_color(const FrameSet& set);
+    Result<void> make_surface(const FrameSet& set, ProcessedFrame& out);
+    /// The set's depth, filtered if there are filters.
+    Result<const DepthFrame*> filtered(const FrameSet& set);
 
     Rig rig_;
+    DepthFilterChain filters_;
+    std::optional<Rig> metres_;  ///< to metres only, for the filters
+    RegisteredDepth unfiltered_;
+    Image<float> filtered_m_;
+    DepthFrame filtered_;
     std::shared_ptr<const Image<RayXy>> rays_;
     RegisteredDepth registered_;
     RecyclingPool<DepthSurface> surfaces_;

@@ -29,6 +29,8 @@ enum class Action : std::uint8_t {
     measure,
     screenshot,
     export_ply,
+    record,
+    toggle_controls,
     toggle_overlay,
     toggle_panes,
     toggle_help,

@@ -3,6 +3,11 @@
 namespace kino {
 
 void SceneBuilder::show(const ProcessedFrame& frame) {
+    if (!frame.surface) {
+        scene_.live.reset();
+        scene_.bodies.clear();
+        return;
+    }
     if (!place_) {
         place_ = measure_place(frame);
         scene_.live.reset();

@@ -21,10 +21,11 @@ class SceneBuilder {
   public:
     /// A new source: the first frame decides where lights hang.
     void reset() { place_.reset(); }
+    /// A frame without depth empties the scene.
     void show(const ProcessedFrame& frame);
     /// The scene as wanted now.
     [[nodiscard]] const Scene& scene(const DrawOptions& options);
-    /// Empty before the first frame.
+    /// Empty before the first frame with depth.
     [[nodiscard]] const std::optional<ScenePlace>& place() const { return place_; }
     [[nodiscard]] ColorMode color_mode(const DrawOptions& options) const;
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "apps/viewer/keys.h"
 
@@ -102,18 +103,22 @@ void draw_overlay(const OverlayText& t) {
                                   t.errors > 0 ? fmt::format(", {} unreadable", t.errors) : ""));
         row("points", fmt::format("{}", t.points));
         std::string groups;
-        std::vector<std::string> told;
         for (const graph::GroupTime& group : t.groups) {
-            // A group that comes twice in a frame is timed under one name.
-            if (std::find(told.begin(), told.end(), group.group) != told.end()) continue;
-            told.push_back(group.group);
             groups +=
                 fmt::format("{}{}\u00a0{:.1f}", groups.empty() ? "" : ", ", group.group, group.ms);
         }
         row("draw, ms", groups);
         row("frame, ms",
-            fmt::format("read {:.1f}, colour {:.1f}, register {:.1f}", to_ms(t.stages.read),
-                        to_ms(t.stages.color), to_ms(t.stages.registration)));
+            fmt::format(
+                "read {:.1f}, colour {:.1f}, {}register {:.1f}", to_ms(t.stages.read),
+                to_ms(t.stages.color),
+                t.stages.filter > 0 ? fmt::format("filter {:.1f}, ", to_ms(t.stages.filter)) : "",
+                to_ms(t.stages.registration)));
+        row("latency, ms",
+            fmt::format("{:.0f}: arrive {:.1f}, process {:.1f}, wait {:.1f}, draw {:.1f}",
+                        to_ms(t.latency.total()), to_ms(t.latency.arrive), to_ms(t.latency.process),
+                        to_ms(t.latency.wait), to_ms(t.latency.draw)));
+        if (!t.recording.empty()) row("recording", t.recording);
         row("device", fmt::format("{:.1f} MB", static_cast<double>(t.device_bytes) / 1e6));
         if (ImGui::GetIO().DisplaySize.y >= 560) row("passes", passes_text(t.passes));
         ImGui::PopTextWrapPos();
@@ -130,7 +135,7 @@ void draw_overlay(const OverlayText& t) {
 }
 
 void draw_panes(const Panes& panes) {
-    if (panes.depth() == nullptr) return;
+    if (panes.depth() == nullptr && panes.color() == nullptr && panes.infrared() == nullptr) return;
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({display.x - kMargin, kMargin}, ImGuiCond_Always, {1, 0});
     ImGui::Begin("panes", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
@@ -138,15 +143,17 @@ void draw_panes(const Panes& panes) {
         ImGui::Image(shown.id(),
                      {static_cast<float>(shown.width()), static_cast<float>(shown.height())});
     };
-    quiet_text("depth");
-    picture(*panes.depth());
-    picture(*panes.legend());
-    const std::string near_text = fmt::format("{:.2f} m", panes.range().near_m);
-    const std::string far_text = fmt::format("{:.2f} m", panes.range().far_m);
-    text(near_text);
-    ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + Panes::kWidth -
-                    ImGui::CalcTextSize(far_text.c_str()).x);
-    text(far_text);
+    if (panes.depth() != nullptr) {
+        quiet_text("depth");
+        picture(*panes.depth());
+        picture(*panes.legend());
+        const std::string near_text = fmt::format("{:.2f} m", panes.range().near_m);
+        const std::string far_text = fmt::format("{:.2f} m", panes.range().far_m);
+        text(near_text);
+        ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + Panes::kWidth -
+                        ImGui::CalcTextSize(far_text.c_str()).x);
+        text(far_text);
+    }
     if (panes.color() != nullptr) {
         quiet_text("colour");
         picture(*panes.color());
@@ -189,6 +196,58 @@ TimelineRequest draw_timeline(const LiveStatus& status, TimeNs now, TimeNs lengt
     text(words);
     ImGui::End();
     return request;
+}
+
+void draw_controls(ControlsDesk& desk) {
+    const std::vector<ControlsDesk::Knob> knobs = desk.knobs();
+    if (knobs.empty()) return;
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos({kMargin, display.y - kTimelineHeight - 2 * kMargin}, ImGuiCond_Always,
+                            {0, 1});
+    ImGui::Begin("controls", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
+    for (const ControlsDesk::Knob& knob : knobs) {
+        const Control& control = knob.control;
+        ImGui::PushID(control.id.c_str());
+        ImGui::SetNextItemWidth(200);
+        if (control.kind == ControlKind::toggle) {
+            bool on = knob.value != 0;
+            if (ImGui::Checkbox(control.name.c_str(), &on)) desk.set(control.id, on ? 1 : 0);
+        } else if (control.kind == ControlKind::menu) {
+            const auto at = static_cast<std::size_t>(std::max(0.0, knob.value));
+            const char* shown = at < control.menu.size() ? control.menu[at].c_str() : "";
+            if (ImGui::BeginCombo(control.name.c_str(), shown)) {
+                for (std::size_t i = 0; i < control.menu.size(); ++i) {
+                    if (ImGui::Selectable(control.menu[i].c_str(), i == at)) {
+                        desk.set(control.id, static_cast<double>(i));
+                    }
+                }
+                ImGui::EndCombo();
+            }
+        } else {
+            auto value = static_cast<float>(knob.value);
+            ImGui::SliderFloat(control.name.c_str(), &value, static_cast<float>(control.minimum),
+                               static_cast<float>(control.maximum), "%.0f");
+            if (ImGui::IsItemActive()) {
+                const double steps =
+                    control.step > 0 ? std::round((value - control.minimum) / control.step) : 0;
+                desk.set(control.id, control.step > 0 ? control.minimum + steps * control.step
+                                                      : static_cast<double>(value));
+            }
+        }
+        if (!knob.error.empty()) quiet_text(knob.error);
+        ImGui::PopID();
+    }
+    ImGui::End();
+}
+
+void draw_banner(const std::string& words) {
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const ImVec2 size = ImGui::CalcTextSize(words.c_str());
+    const ImVec2 at((display.x - size.x) / 2, display.y / 3);
+    ImDrawList& list = *ImGui::GetForegroundDrawList();
+    list.AddRectFilled({at.x - 14, at.y - 8}, {at.x + size.x + 14, at.y + size.y + 8},
+                       IM_COL32(60, 34, 10, 235), 6);
+    list.AddText(at, kAmber, words.c_str());
 }
 
 bool draw_help() {

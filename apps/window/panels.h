@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/pipeline/controls_desk.h"
 #include "apps/pipeline/live_runner.h"
+#include "apps/viewer/latency.h"
 #include "apps/viewer/measure.h"
 #include "apps/window/panes.h"
 #include "viz/graph/executor.h"
@@ -23,6 +25,8 @@ struct OverlayText {
     double frame_ms = 0;  ///< device time of the last picture
     std::vector<graph::GroupTime> groups;
     StageTimes stages;
+    Latency latency;
+    std::string recording;  ///< empty: none
     std::int64_t points = 0;
     std::vector<std::string> passes;
     std::int64_t device_bytes = 0;
@@ -43,6 +47,12 @@ struct TimelineRequest {
 };
 /// At the bottom; `now` and `length` in recorded time.
 [[nodiscard]] TimelineRequest draw_timeline(const LiveStatus& status, TimeNs now, TimeNs length);
+
+/// A device's knobs, on the left; empty `knobs` draws nothing. What the user moved is set.
+void draw_controls(ControlsDesk& desk);
+
+/// A line that stays: the device is away.
+void draw_banner(const std::string& words);
 
 /// The keys, in the middle. False once it was closed.
 [[nodiscard]] bool draw_help();

@@ -27,8 +27,7 @@ Result<void> Panes::fit(Pane& pane, int width, int height) {
     return {};
 }
 
-Result<void> Panes::show(const ProcessedFrame& frame) {
-    const Image<float>& depth = frame.surface->depth_m;
+Result<void> Panes::show_depth(const Image<float>& depth) {
     if (const auto seen = depth_range(depth)) {
         // The range follows slowly: colours that jump from frame to frame cannot be read.
         const float part = range_known_ ? 0.05f : 1.0f;
@@ -49,6 +48,11 @@ Result<void> Panes::show(const ProcessedFrame& frame) {
         }
         legend_.picture->set(std::as_const(legend_.pixels).view());
     }
+    return {};
+}
+
+Result<void> Panes::show(const ProcessedFrame& frame) {
+    if (frame.surface) KINO_TRY(show_depth(frame.surface->depth_m));
     if (frame.color) {
         const Image<Rgba8>& color = *frame.color;
         KINO_TRY(fit(color_, kWidth, height_of(color.width(), color.height())));

@@ -31,6 +31,7 @@ class Panes {
         std::unique_ptr<UiPicture> picture;
         Image<Rgba8> pixels;
     };
+    Result<void> show_depth(const Image<float>& depth);
     Result<void> fit(Pane& pane, int width, int height);
 
     UiRenderer& ui_;

@@ -7,7 +7,8 @@ namespace kino {
 
 Result<std::unique_ptr<Playing>> Playing::open(const std::string& uri,
                                                const PlayingOptions& options) {
-    KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, options.loop));
+    KINO_ASSIGN(OpenedSource opened,
+                open_for_playing(uri, {.mode = options.loop, .filters = options.filters}));
     std::unique_ptr<Playing> playing(new Playing());
     playing->info_ = opened.source->info();
     playing->rig_ = opened.processor.rig().parameters();
@@ -19,7 +20,7 @@ Result<std::unique_ptr<Playing>> Playing::open(const std::string& uri,
         playing->last_duration_ = timeline->last_frame_duration();
     }
     playing->stepped_ = options.stepped && !playing->times_.empty();
-    LiveOptions live{.speed = options.speed};
+    LiveRunnerOptions live{.speed = options.speed};
     if (playing->stepped_) {
         playing->stepped_clock_ = std::make_shared<std::atomic<TimeNs>>(0);
         live.clock = [clock = playing->stepped_clock_] { return clock->load(); };

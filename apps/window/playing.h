@@ -13,6 +13,7 @@ namespace kino {
 struct PlayingOptions {
     std::optional<LoopMode> loop;
     double speed = 1;
+    std::string filters;   ///< as DepthFilterChain::parse() reads them
     bool stepped = false;  ///< the clock waits for the pictures instead of the other way round
 };
 
@@ -31,6 +32,8 @@ class Playing {
     /// A picture was shown: stepped, the clock moves on to the next frame.
     void picture_shown();
 
+    /// Its frames come when they come: it has no timeline.
+    [[nodiscard]] bool is_device() const { return times_.empty(); }
     /// Recorded time of frame `index` from the start; 0 for devices.
     [[nodiscard]] TimeNs time_of(std::int64_t index) const;
     /// All of one round of the loop; 0 for devices.

@@ -83,8 +83,14 @@ void Viewer::say(std::string text) {
 Result<void> Viewer::open(std::size_t index) {
     KINO_ASSIGN(auto playing, Playing::open(uris_[index], {.loop = options_.loop,
                                                            .speed = options_.speed,
+                                                           .filters = options_.filters,
                                                            .stepped = options_.stepped}));
+    desk_.reset();
     playing_ = std::move(playing);
+    if (Controls* controls = playing_->runner().controls()) {
+        desk_ = std::make_unique<ControlsDesk>(*controls);
+    }
+    heard_events_ = 0;
     current_ = index;
     frame_.reset();
     builder_.reset();
@@ -109,7 +115,9 @@ void Viewer::open_next_when_over() {
 
 void Viewer::show_frame(const ProcessedFrame& frame) {
     builder_.show(frame);
-    if (!std::exchange(camera_placed_, true)) {
+    if (!frame.surface) {
+        // Nothing to stand anywhere: only pictures.
+    } else if (!std::exchange(camera_placed_, true)) {
         camera_.reset(*builder_.place());
     } else if (frame.set.pose_origin == PoseOrigin::trajectory) {
         camera_.orbit.follow(measure_place(frame).center, to_seconds(now_ns() - last_frame_));
@@ -121,6 +129,7 @@ void Viewer::show_frame(const ProcessedFrame& frame) {
     if (last_frame_ != 0) smooth_rate(frames_per_s_, now - last_frame_);
     last_frame_ = now;
     frame_ = frame;
+    frame_is_fresh_ = true;
 }
 
 void Viewer::act(Action action) {
@@ -135,6 +144,13 @@ void Viewer::act(Action action) {
             break;
         case Action::export_ply:
             export_points();
+            break;
+        case Action::record:
+            toggle_recording();
+            break;
+        case Action::toggle_controls:
+            if (!desk_) say("this source has no knobs");
+            show_controls_ = !show_controls_;
             break;
         case Action::toggle_overlay:
             settings_.show_overlay = !settings_.show_overlay;
@@ -224,7 +240,7 @@ void Viewer::act_on_look(Action action) {
             camera_.choose(ViewKind::fly, view_.world_from_view);
             break;
         case Action::reset_camera:
-            if (frame_) camera_.reset(measure_place(*frame_));
+            if (frame_ && frame_->surface) camera_.reset(measure_place(*frame_));
             break;
         default:
             break;
@@ -273,11 +289,34 @@ void Viewer::take_screenshot() {
 }
 
 void Viewer::export_points() {
-    if (!frame_) return;
+    if (!frame_ || !frame_->surface) return;
     const std::filesystem::path path = fresh_file("ply");
     const auto written = write_ply(path, *frame_->surface, frame_->set.world_from_depth);
     say(written ? fmt::format("{} points written: {}", *written, path.string())
                 : written.error().to_string());
+}
+
+void Viewer::start_recording(const std::filesystem::path& file) {
+    const auto started = playing_->runner().start_recording(file, options_.codec);
+    say(started ? "recording into " + file.string() : started.error().to_string());
+}
+
+void Viewer::toggle_recording() {
+    LiveRunner& runner = playing_->runner();
+    if (!runner.status().is_recording) return start_recording(fresh_file("mkv"));
+    runner.stop_recording();
+    say("recording ended");
+}
+
+/// What the source and the recorder said since last asked.
+void Viewer::hear_source() {
+    const LiveStatus status = playing_->runner().status();
+    // The first event of all says that it has started, which everybody can see.
+    if (status.events > heard_events_ && heard_events_ > 0) say(status.last_event);
+    heard_events_ = std::max(heard_events_, status.events);
+    const std::string trouble = status.recording ? status.recording->error : std::string();
+    if (!trouble.empty() && trouble != recording_trouble_) say("recording: " + trouble);
+    recording_trouble_ = trouble;
 }
 
 OverlayText Viewer::overlay_text() {
@@ -295,6 +334,14 @@ OverlayText Viewer::overlay_text() {
     if (frame_) {
         text.stages = frame_->times;
         text.points = frame_->valid_points;
+    }
+    text.latency = latency_;
+    if (status.recording) {
+        text.recording = fmt::format(
+            "{}{} frames, {:.1f} MB, {} lost{}",
+            status.is_recording ? "" : "ended: ", status.recording->frames,
+            static_cast<double>(status.recording->bytes) / 1e6, status.recording->dropped,
+            status.recording->queue_fill > 0.5 ? ", the disk is slow" : "");
     }
     text.passes = last_.report.passes;
     text.device_bytes = renderer_.device().memory().current;
@@ -320,6 +367,8 @@ void Viewer::draw_panels(const WindowInput& input) {
     if (request.toggle_pause) act_on_playing(Action::pause);
     draw_measure(measure_, view_, measuring_);
     if (last_.depth_at_m && probed_) draw_cursor_depth(input.cursor_px, *last_.depth_at_m);
+    if (show_controls_ && desk_) draw_controls(*desk_);
+    if (!status.present) draw_banner("the device is gone; plugged in again, it goes on by itself");
     if (!message_.empty() && now_ns() < message_until_) draw_message(message_);
     if (help_) help_ = draw_help();
 }
@@ -358,7 +407,12 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     KINO_TRY(window_.present());
     ++pictures_;
     if (frame_) {
-        picture_times_.add(now_ns() - began);
+        const TimeNs presented = now_ns();
+        picture_times_.add(presented - began);
+        if (std::exchange(frame_is_fresh_, false)) {
+            latency_ = latency_of(*frame_, playing_->is_device(), began, presented);
+            latencies_.add(latency_);
+        }
         if (first_picture_after_ == 0) first_picture_after_ = now_ns() - started_;
     }
     playing_->picture_shown();
@@ -371,6 +425,7 @@ Result<void> Viewer::run(const std::string& note) {
     started_ = now_ns();
     if (!note.empty()) say(note);
     KINO_TRY(open(0));
+    if (!options_.record.empty()) start_recording(options_.record);
     TimeNs next_picture = started_;
     TimeNs last_loop = started_;
     while (!window_.should_close() && !interrupted() &&
@@ -381,6 +436,7 @@ Result<void> Viewer::run(const std::string& note) {
         last_loop = now;
         std::optional<ProcessedFrame> fresh = playing_->take();
         if (fresh) show_frame(*fresh);
+        hear_source();
         if (now >= next_picture || fresh) {
             KINO_TRY(draw(input, now));
             // Between two sensor frames only pictures that are cheap: a dear one would delay the
@@ -391,7 +447,20 @@ Result<void> Viewer::run(const std::string& note) {
         }
         open_next_when_over();
     }
+    finish_recording();
     return {};
+}
+
+void Viewer::finish_recording() {
+    LiveRunner& runner = playing_->runner();
+    runner.stop();
+    const LiveStatus status = runner.status();
+    if (!status.recording) return;
+    const RecorderStatus& recording = *status.recording;
+    fmt::print(stderr, "recorded {} frames, {:.1f} MB{}{}\n", recording.frames,
+               static_cast<double>(recording.bytes) / 1e6,
+               recording.dropped > 0 ? fmt::format(", {} lost", recording.dropped) : "",
+               recording.error.empty() ? "" : "; " + recording.error);
 }
 
 }  // namespace kino

@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "apps/pipeline/controls_desk.h"
 #include "apps/pipeline/time_series.h"
 #include "apps/replay_options.h"
 #include "apps/viewer/keys.h"
+#include "apps/viewer/latency.h"
 #include "apps/viewer/measure.h"
 #include "apps/viewer/scene_builder.h"
 #include "apps/viewer/settings.h"
@@ -34,6 +36,7 @@ class Viewer {
     [[nodiscard]] const TimeSeries& picture_times() const { return picture_times_; }
     /// From run() to the first picture with a frame in it; 0: there was none.
     [[nodiscard]] TimeNs first_picture_after() const { return first_picture_after_; }
+    [[nodiscard]] const LatencyLog& latencies() const { return latencies_; }
 
   private:
     Result<void> open(std::size_t index);
@@ -46,6 +49,10 @@ class Viewer {
     Result<void> draw(const WindowInput& input, TimeNs now);
     void draw_panels(const WindowInput& input);
     [[nodiscard]] OverlayText overlay_text();
+    void start_recording(const std::filesystem::path& file);
+    void toggle_recording();
+    void finish_recording();
+    void hear_source();
     void click();
     void take_screenshot();
     void export_points();
@@ -67,7 +74,14 @@ class Viewer {
 
     std::size_t current_ = 0;
     std::unique_ptr<Playing> playing_;
+    std::unique_ptr<ControlsDesk> desk_;  ///< goes before `playing_`, whose knobs it turns
+    bool show_controls_ = false;
+    std::int64_t heard_events_ = 0;
+    std::string recording_trouble_;
     std::optional<ProcessedFrame> frame_;
+    bool frame_is_fresh_ = false;
+    Latency latency_;
+    LatencyLog latencies_;
     TimeNs opened_at_ = 0;
 
     View view_;

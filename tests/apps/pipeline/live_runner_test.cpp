@@ -20,11 +20,12 @@ constexpr TimeNs kPatience = 20 * kNsPerSecond;
 class LiveRunnerTest : public testing::Test {
   protected:
     void start(CountingSource::Options options, LoopMode mode) {
-        auto opened =
-            prepare_for_playing(std::make_unique<CountingSource>(std::move(options), log), mode);
+        auto opened = prepare_for_playing(std::make_unique<CountingSource>(std::move(options), log),
+                                          {.mode = mode});
         ASSERT_TRUE(opened) << opened.error().to_string();
         runner = std::make_unique<LiveRunner>(
-            std::move(*opened), LiveOptions{.clock = [clock = clock] { return clock->load(); }});
+            std::move(*opened),
+            LiveRunnerOptions{.clock = [clock = clock] { return clock->load(); }});
     }
     void advance(TimeNs time) { clock->fetch_add(time); }
     /// Until the runner has made `count` frames ready (or failed to).

@@ -15,7 +15,7 @@ using test::CountingSource;
 Stepper make(CountingSource::Options options, LoopMode mode,
              std::shared_ptr<CountingLog> log = std::make_shared<CountingLog>()) {
     auto opened = prepare_for_playing(
-        std::make_unique<CountingSource>(std::move(options), std::move(log)), mode);
+        std::make_unique<CountingSource>(std::move(options), std::move(log)), {.mode = mode});
     KINO_CHECK(opened.has_value());
     return Stepper(std::move(*opened));
 }

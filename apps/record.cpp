@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "apps/commands.h"
+#include "apps/exit_codes.h"
+#include "apps/interrupt.h"
+#include "apps/pipeline/opened_source.h"
+#include "apps/sources.h"
+#include "apps/view_options.h"
+#include "sensor/session/recorder.h"
+
+namespace kino {
+namespace {
+
+constexpr TimeNs kWait = 50 * kNsPerMs;
+constexpr TimeNs kTellEvery = kNsPerSecond;
+/// A device that brings nothing for so long is told about.
+constexpr TimeNs kPatience = 5 * kNsPerSecond;
+
+struct RecordOptions {
+    std::string uri;
+    std::filesystem::path out;
+    std::optional<double> seconds;
+    std::optional<std::int64_t> frames;
+    SessionCodec codec = SessionCodec::ffv1;
+    bool json = false;
+};
+
+void complain(const Error& error) {
+    fmt::print(stderr, "kinoscope: {}\n", error.to_string());
+}
+
+void tell(const RecorderStatus& status, const char* end) {
+    fmt::print(stderr, "\r{:.1f} s, {} frames, {:.1f} MB, {} lost, queue {:.0f} %{}",
+               to_seconds(status.duration), status.frames, static_cast<double>(status.bytes) / 1e6,
+               status.dropped, 100 * status.queue_fill, end);
+}
+
+/// Whether the device's own clock decides when frames come; a recording is read as fast as it can
+/// be written.
+bool comes_by_itself(Source& source) {
+    return source.timeline() == nullptr;
+}
+
+class RecordRun {
+  public:
+    RecordRun(const RecordOptions& options, Source& source, Recorder& recorder)
+        : options_(options), source_(source), recorder_(recorder) {}
+
+    Result<void> run() {
+        const bool tapped = source_.set_tap(
+            [this](StreamId id, const StreamFrame& frame) { recorder_.put(id, frame); });
+        const TimeNs began = now_ns();
+        TimeNs told = began;
+        TimeNs last_set = began;
+        while (!interrupted() && !over(began) && recorder_.status().error.empty()) {
+            auto set = source_.next(kWait);
+            for (const Event& event : source_.take_events()) hear(event);
+            if (!set) {
+                complain(set.error());
+            } else if (*set) {
+                ++sets_;
+                last_time_ = (*set)->time;
+                if (first_time_ == 0) first_time_ = last_time_;
+                last_set = now_ns();
+                if (!tapped) put(**set);
+            } else if (ended_) {
+                break;
+            } else if (present_ && now_ns() - last_set > kPatience) {
+                fmt::print(stderr, "\nkinoscope: nothing has come for {:.0f} s\n",
+                           to_seconds(kPatience));
+                last_set = now_ns();
+            }
+            if (now_ns() - told >= kTellEvery) {
+                told = now_ns();
+                tell(recorder_.status(), "");
+            }
+        }
+        if (tapped) (void)source_.set_tap({});
+        return {};
+    }
+
+  private:
+    bool over(TimeNs began) const {
+        if (options_.frames && sets_ >= *options_.frames) return true;
+        if (!options_.seconds) return false;
+        const TimeNs limit = from_seconds(*options_.seconds);
+        const TimeNs passed =
+            comes_by_itself(source_) ? now_ns() - began : last_time_ - first_time_;
+        return passed >= limit;
+    }
+
+    /// A recording waits for the disk: nothing is lost by it.
+    void put(const FrameSet& set) {
+        constexpr double kFull = 0.5;
+        while (!comes_by_itself(source_) && recorder_.status().queue_fill > kFull &&
+               recorder_.status().error.empty() && !interrupted()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        recorder_.put(set);
+    }
+
+    void hear(const Event& event) {
+        recorder_.put_event(event);
+        if (event.kind == EventKind::ended) ended_ = true;
+        if (event.kind == EventKind::lost) present_ = false;
+        if (event.kind == EventKind::back) present_ = true;
+        if (event.kind == EventKind::lost || event.kind == EventKind::back) {
+            fmt::print(stderr, "\n{}\n", event.text);
+        }
+    }
+
+    const RecordOptions& options_;
+    Source& source_;
+    Recorder& recorder_;
+    std::int64_t sets_ = 0;
+    TimeNs first_time_ = 0;
+    TimeNs last_time_ = 0;
+    bool ended_ = false;
+    bool present_ = true;
+};
+
+Result<RecorderStatus> record(const RecordOptions& options) {
+    std::string uri = options.uri;
+    if (uri.empty()) {
+        KINO_ASSIGN(uri, first_device());
+    }
+    KINO_ASSIGN(const auto source, open_source(uri));
+    KINO_TRY(subscribe_what_goes(*source));
+    KINO_ASSIGN(const RigParameters rig, source->calibration());
+    KINO_ASSIGN(const auto recorder,
+                Recorder::create(options.out, source->info(), rig, {.codec = options.codec}));
+    KINO_TRY(RecordRun(options, *source, *recorder).run());
+    return recorder->close();
+}
+
+int run_record(const RecordOptions& options) {
+    register_sources();
+    catch_interrupts();
+    const auto status = record(options);
+    if (!status) {
+        complain(status.error());
+        return kExitFailed;
+    }
+    tell(*status, "\n");
+    if (options.json) {
+        const nlohmann::ordered_json out = {{"file", options.out.string()},
+                                            {"frames", status->frames},
+                                            {"lost", status->dropped},
+                                            {"bytes", status->bytes},
+                                            {"seconds", to_seconds(status->duration)},
+                                            {"error", status->error}};
+        fmt::print("{}\n",
+                   out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    }
+    if (!status->error.empty()) {
+        complain({status->error, options.out.string(), "what was written before is in the file"});
+        return kExitFailed;
+    }
+    return kExitDone;
+}
+
+}  // namespace
+
+Command add_record(CLI::App& parent) {
+    auto options = std::make_shared<RecordOptions>();
+    CLI::App& app =
+        *parent.add_subcommand("record", "writes a session file, without a window, until Ctrl-C");
+    app.add_option("URI", options->uri,
+                   "a device (the first there is by default), a recording or synthetic:");
+    app.add_option("--out", options->out, "the session, a new .mkv file")
+        ->required()
+        ->type_name("FILE");
+    app.add_option("--seconds", options->seconds, "end after so long")
+        ->check(CLI::PositiveNumber)
+        ->type_name("N");
+    app.add_option("--frames", options->frames, "end after so many depth frames")
+        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
+        ->type_name("N");
+    add_codec_option(app, options->codec);
+    app.add_flag("--json", options->json, "print the outcome as JSON");
+    app.footer(
+        "Sessions are Matroska files (docs/session-format.md). Whatever happens to the "
+        "machine, what was\nwritten up to half a second before stays readable; "
+        "`kinoscope repair` makes it quick to open.");
+    return [options] { return run_record(*options); };
+}
+
+}  // namespace kino

@@ -1,0 +1,140 @@
+#include "apps/view_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+#include <string>
+
+#include "apps/exit_codes.h"
+#include "apps/headless.h"
+#include "apps/interrupt.h"
+#include "apps/sources.h"
+#include "apps/viewer/keys.h"
+#include "apps/window/window_replay.h"
+#include "sensor/filters/depth_filter_chain.h"
+
+namespace kino {
+namespace {
+
+constexpr int kLeastSize = 16;
+constexpr int kLargestSize = 8192;
+
+/// Reads "1280x720"; an error text, or empty.
+std::string read_size(const std::string& text, ReplayOptions& options) {
+    int width = 0, height = 0;
+    char x = 0, rest = 0;
+    const int read = std::sscanf(text.c_str(), "%d%c%d%c", &width, &x, &height, &rest);
+    if (read != 3 || x != 'x' || width < kLeastSize || height < kLeastSize ||
+        width > kLargestSize || height > kLargestSize) {
+        return fmt::format("--size: {} is not WxH with sides from {} to {}", text, kLeastSize,
+                           kLargestSize);
+    }
+    options.width = width;
+    options.height = height;
+    return {};
+}
+
+template <class Value>
+void add_choice(CLI::App& app, const char* name, std::optional<Value>& out,
+                std::map<std::string, Value> choices, const char* help) {
+    std::string words;
+    for (const auto& [word, value] : choices) words += (words.empty() ? "" : "|") + word;
+    app.add_option_function<std::string>(
+           name, [&out, choices](const std::string& word) { out = choices.at(word); }, help)
+        ->check(CLI::IsMember(choices))
+        ->type_name(words);
+}
+
+}  // namespace
+
+void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& options) {
+    app.add_option_function<std::string>(
+           "--raster",
+           [options](const std::string& word) {
+               options->raster = word == "compute"     ? RasterPath::compute
+                                 : word == "compute32" ? RasterPath::compute_32bit
+                                                       : RasterPath::hardware;
+           },
+           "how depth becomes pixels")
+        ->check(CLI::IsMember({"compute", "compute32", "hardware"}))
+        ->type_name("compute|compute32|hardware");
+    add_choice<DepthStyle>(app, "--style", options->style,
+                           {{"cloud", DepthStyle::cloud}, {"mesh", DepthStyle::mesh}},
+                           "points or a surface, default mesh");
+    app.add_option("--splat", options->splat_px, "largest point size, 1 to 32")
+        ->check(CLI::Range(1, 32))
+        ->type_name("PX");
+    add_choice<ViewKind>(
+        app, "--view", options->view,
+        {{"sensor", ViewKind::sensor}, {"orbit", ViewKind::orbit}, {"fly", ViewKind::fly}},
+        "camera to start with, default orbit");
+    add_choice<ColorMode>(app, "--color", options->color,
+                          {{"captured", ColorMode::captured},
+                           {"mixed", ColorMode::mixed},
+                           {"relit", ColorMode::relit}},
+                          "default: captured, or relit where there is depth only");
+    app.add_option("--filter", options->filters,
+                   "depth filters, as flying,spatial,temporal,holes; none by default")
+        ->check([](const std::string& text) {
+            const auto chain = DepthFilterChain::parse(text);
+            return chain ? std::string() : chain.error().to_string();
+        })
+        ->type_name("SPEC");
+    app.add_option("--headless", options->headless,
+                   "no window: pictures, video.mp4 and summary.json into OUT")
+        ->type_name("OUT");
+    app.add_option("--frames", options->frames, "end after N frames (of each URI)")
+        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
+        ->type_name("N");
+    app.add_option("--pictures", options->pictures,
+                   "headless: at most N pictures of each URI as PNG, default 12; -1: all")
+        ->check(CLI::Range(-1, 1 << 30))
+        ->type_name("N");
+    app.add_option_function<std::string>(
+           "--size",
+           [options](const std::string& text) {
+               if (const std::string problem = read_size(text, *options); !problem.empty()) {
+                   throw CLI::ValidationError(problem);
+               }
+           },
+           "of the picture, default 1280x720")
+        ->type_name("WxH");
+    app.add_option("--device", options->device,
+                   "Vulkan device: part of its name, or discrete, integrated, cpu")
+        ->type_name("NAME");
+    app.add_flag("--json", options->json, "print the summary as JSON");
+    app.add_flag("--verbose", options->verbose, "a line a frame");
+}
+
+void add_codec_option(CLI::App& app, SessionCodec& codec) {
+    static const std::map<std::string, SessionCodec> kCodecs = {{"ffv1", SessionCodec::ffv1},
+                                                                {"fast", SessionCodec::fast},
+                                                                {"rvl", SessionCodec::rvl},
+                                                                {"raw", SessionCodec::raw}};
+    app.add_option_function<std::string>(
+           "--codec", [&codec](const std::string& word) { codec = kCodecs.at(word); },
+           "of recordings, all lossless: ffv1 (default) opens everywhere, fast is for slow "
+           "machines")
+        ->check(CLI::IsMember(kCodecs))
+        ->type_name("ffv1|fast|rvl|raw");
+}
+
+std::string view_footer() {
+    return "Without a display, what --headless out does is done.\n\nDepth filters:\n" +
+           DepthFilterChain::help() + "\nKeys in the window:\n" + keys_text();
+}
+
+int run_view(const ReplayOptions& options) {
+    catch_interrupts();
+    if (!options.headless.empty()) return replay_headless(options);
+    const std::optional<int> code = replay_in_window(options);
+    if (code) return *code;
+    ReplayOptions fallback = options;
+    fallback.headless = "out";
+    fmt::print(stderr, "kinoscope: writing pictures into {} instead\n", fallback.headless.string());
+    return replay_headless(fallback);
+}
+
+}  // namespace kino
