@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "logged_file.h"
 #include "sensor/session/session_source.h"
 #include "session_frames.h"
 #include "tests/support/random.h"
@@ -196,6 +197,32 @@ TEST(Witness, FfmpegReadsWhatATruncatedSessionStillHolds) {
         const std::size_t whole = static_cast<std::size_t>(ours) * 48 * 36 * 2;
         ASSERT_GE(theirs.size(), whole) << size;
         EXPECT_TRUE(same_bits(theirs.substr(0, whole), depth.substr(0, whole))) << size;
+    }
+}
+
+TEST(Witness, FfmpegReadsWhatAPowerCutLeaves) {
+    const test::TempDir dir;
+    const FrameStyle style{.infrared = false, .texts = false};
+    const auto frames = frames_between(0, 75, style);
+    test::FileLog log;
+    SessionWriter writer(std::make_unique<test::LoggedFile>(log), test::source_of(style),
+                         test::rig_of(style), {}, 0);
+    ASSERT_TRUE(test::write_all(writer, frames).has_value());
+    ASSERT_TRUE(writer.finish(1).has_value());
+    const std::string depth = pixels_of(frames, StreamKind::depth);
+    const auto whole = test::reader_of(log.content);
+    test::Random random(21);
+    for (std::size_t steps = 3; steps <= log.steps.size(); ++steps) {
+        const auto left = test::after_power_cut(log, steps, random);
+        const std::uint64_t safe = test::synced_size(log, steps);
+        const auto safe_frames = std::ranges::count_if(whole->frames(), [&](const auto& entry) {
+            return entry.id.kind == StreamKind::depth &&
+                   whole->index().clusters[entry.cluster].end <= safe;
+        });
+        const std::string theirs = decoded_by_ffmpeg(write(dir, "cut.mkv", left), 0, "gray16le");
+        const std::size_t size = static_cast<std::size_t>(safe_frames) * 48 * 36 * 2;
+        ASSERT_GE(theirs.size(), size) << steps;
+        EXPECT_TRUE(same_bits(theirs.substr(0, size), depth.substr(0, size))) << steps;
     }
 }
 
