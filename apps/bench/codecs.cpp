@@ -216,7 +216,7 @@ std::map<std::string, Score> measure(BenchContext& context, const std::string& n
         }
         return scores;
     }
-    const bench::RepeatOptions repeats{.repeats = 25, .max_seconds = 20};
+    const bench::RepeatOptions repeats{.repeats = 25, .max_seconds = 8};
     const bench::Comparison encode = context.compare("encode " + name, encoders, repeats);
     const bench::Comparison decode = context.compare("decode " + name, decoders, repeats);
     for (const Codec& codec : codecs) {
