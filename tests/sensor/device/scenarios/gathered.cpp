@@ -147,6 +147,7 @@ Gathered::~Gathered() {
 }
 
 void Gathered::stop() {
+    if (std::exchange(stopped_, true)) return;
     (void)source_.set_tap(nullptr);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/sensor/device/scenarios/report.h"
+#include "tests/sensor/device/scenarios/udev_relay.h"
 
 int main(int argc, char** argv) {
     using namespace kino::guest;
@@ -19,6 +20,7 @@ int main(int argc, char** argv) {
             if (argc == 1 || named) wanted.push_back(std::move(scenario));
         }
     }
+    start_udev_relay();
     run_scenarios(wanted);
     Report("all").value("done", 1);
     return 0;
