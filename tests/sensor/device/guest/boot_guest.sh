@@ -26,7 +26,7 @@ sh "$here/make_initramfs.sh" "$folder/kernel" "$here/init" "$folder/initramfs" |
 # value is written twice.
 timeout --kill-after=5 "$seconds" qemu-system-x86_64 \
     -accel tcg,thread=multi -cpu max -smp 2 -m 1024 -nic none -display none -monitor none \
-    -no-reboot -serial "file:${folder//,/,,}/console.log" \
+    -no-reboot -chardev "file,id=console,path=${folder//,/,,}/console.log" -serial chardev:console \
     -kernel "$folder/kernel/vmlinuz" -initrd "$folder/initramfs" \
     -append 'console=ttyS0 quiet loglevel=4 panic=-1 rdinit=/init mitigations=off tsc=reliable' \
     -fsdev 'local,id=host,path=/,security_model=none,readonly=on,multidevs=remap' \
