@@ -39,6 +39,12 @@ TEST(CommandLine, WrongUsageEndsWith2AndSaysWhy) {
         {"replay", "synthetic:", "--speed", "100"},
         {"replay", "synthetic:", "--splat", "-3"},
         {"replay", "synthetic:", "--wheels", "4"},
+        {"replay", "synthetic:", "--filter", "rainbow"},
+        {"live", "synthetic:", "--record", "a.mkv", "--headless", "out"},
+        {"record", "synthetic:"},
+        {"record", "synthetic:", "--out", "a.mkv", "--codec", "mp3"},
+        {"record", "synthetic:", "--out", "a.mkv", "--seconds", "-1"},
+        {"repair"},
         {"compare", "one.png"},
     };
     for (const auto& arguments : wrong) {

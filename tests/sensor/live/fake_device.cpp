@@ -39,6 +39,8 @@ class FakeBus::Device final : public LiveDevice, public Controls {
     Result<RigParameters> calibration() const override {
         RigParameters rig;
         rig.serial = serial_;
+        rig.depth = {.width = 2, .height = 2, .fx = 2, .fy = 2, .cx = 0.5, .cy = 0.5};
+        rig.color = rig.depth;
         return rig;
     }
     std::string address() const override { return serial_; }
@@ -265,6 +267,9 @@ StreamFrame fake_frame(StreamKind kind, std::int64_t sequence, TimeNs host_time,
     if (kind == StreamKind::color) {
         auto frame = std::make_shared<ColorFrame>();
         frame->header = header;
+        frame->width = frame->height = 2;
+        frame->pitch = 8;
+        frame->bytes.assign(16, 100);
         return std::shared_ptr<const ColorFrame>(std::move(frame));
     }
     if (kind == StreamKind::infrared) {
