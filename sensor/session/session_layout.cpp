@@ -176,6 +176,10 @@ std::uint64_t segment_content_start() {
     return content_start();
 }
 
+std::size_t info_start() {
+    return kFirstSector - info_element({}).size();
+}
+
 std::string track_tag(const SessionTrack& track) {
     if (track.role == TrackRole::picture) return format_to_json(track.format);
     return fmt::format(R"({{"stream":"{}","device":{}}})", name_of(track), track.device);

@@ -81,6 +81,9 @@ struct SessionCue {
 /// Where the Segment's content starts; positions inside it count from here.
 [[nodiscard]] std::uint64_t segment_content_start();
 
+/// Where Info starts; it ends with the first sector.
+[[nodiscard]] std::size_t info_start();
+
 /// What the KINO_FORMAT tag of the track says.
 [[nodiscard]] std::string track_tag(const SessionTrack& track);
 
