@@ -5,7 +5,9 @@
 function(kino_compile_options target)
   target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-    -Wno-sign-conversion -Wno-missing-field-initializers -Werror)
+    -Wno-sign-conversion -Wno-missing-field-initializers)
+  # Clang, which builds the fuzzers, warns of other things.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Werror>)
   # g++ 12 sees overlaps in "text" + std::string that are not there (GCC bug 105651).
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
   # Bit-exact replays need one meaning for a*b+c: contraction only where a file asks for it.
@@ -83,4 +85,24 @@ function(kino_test name)
     set(ARG_TIMEOUT 300)
   endif()
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()
+
+# kino_fuzz(png DEPENDS kino::sensor): the libFuzzer driver fuzz/png_fuzz.cpp of this folder, only
+# in the preset `fuzz`. Seeds lie in tests/data/fuzz/png. The same function of the driver runs on
+# seeded mutations in every ordinary test run.
+option(KINO_FUZZ "Build the libFuzzer drivers (clang only)" OFF)
+function(kino_fuzz name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT KINO_FUZZ)
+    return()
+  endif()
+  add_executable(${name}_fuzz fuzz/${name}_fuzz.cpp ${ARG_SOURCES})
+  kino_compile_options(${name}_fuzz)
+  target_include_directories(${name}_fuzz PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_options(${name}_fuzz PRIVATE -fsanitize=fuzzer,address,undefined)
+  target_link_libraries(${name}_fuzz PRIVATE ${ARG_DEPENDS})
+  if(NOT TARGET fuzzers)
+    add_custom_target(fuzzers)
+  endif()
+  add_dependencies(fuzzers ${name}_fuzz)
 endfunction()
