@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "base/error.h"
+#include "skeleton/forest/forest.h"
+#include "skeleton/forest/training_images.h"
+
+namespace kino {
+
+/// Told after every pass over the pictures.
+struct TrainingProgress {
+    int tree = 0;
+    int level = 0;                ///< -1: the last pass, which fills the leaves
+    std::size_t nodes_open = 0;   ///< of this level, those of earlier passes included
+    std::size_t nodes_total = 0;  ///< of the tree, so far
+    std::uint64_t samples = 0;    ///< pixels seen in this pass
+};
+
+struct ForestTraining {
+    int trees = 3;
+    int depth = 20;  ///< levels of splits, at most kForestMaxDepth
+    std::uint64_t seed = 1;
+    int threads = 1;  ///< changes the time and nothing else
+
+    std::int64_t images_per_tree = 0;  ///< each tree takes the next ones in turn; 0: all
+    int pixels_per_image = 1000;       ///< drawn without replacement
+    /// This share of them is drawn with every label of the picture equally likely, so that hands
+    /// are not drowned by the torso.
+    double balanced_share = 0;
+    /// Pixels of each picture for the final distributions of the leaves; 0: those that grew them.
+    int leaf_pixels_per_image = 0;
+
+    int features = 200;     ///< candidates at each node
+    int thresholds = 20;    ///< candidates for each feature, at most 64
+    double reach_mm = 600;  ///< longest offset, at the body
+    double threshold_range_mm = 400;
+
+    std::uint32_t min_samples = 16;  ///< a node with fewer becomes a leaf
+    double min_gain_bits = 1e-4;
+
+    std::size_t histogram_bytes = std::size_t{512} << 20;  ///< bound; more passes if less
+    int block_images = 16;                                 ///< pictures in memory at a time
+
+    std::string note;  ///< for the file
+    std::function<void(const TrainingProgress&)> progress;
+};
+
+/// Empty, or what is wrong with the settings.
+[[nodiscard]] std::string training_defect(const ForestTraining& training);
+
+/// Grows each tree level by level (Shotton et al. 2011, section 3.3): at every node the candidate
+/// with the largest gain of information splits it. The same pictures, settings and seed give the
+/// same forest on any number of threads. Memory: histogram_bytes, block_images pictures, and the
+/// tree itself; nothing per pixel is kept between blocks.
+[[nodiscard]] Result<Forest> train_forest(const TrainingImages& images,
+                                          const ForestTraining& training);
+
+}  // namespace kino
