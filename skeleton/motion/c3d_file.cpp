@@ -74,7 +74,6 @@ class Parameters {
     }
     /// Ends the section, which is then whole blocks.
     std::string finish() {
-        bytes_[last_] = bytes_[last_ + 1] = 0;
         fill_block(bytes_);
         bytes_[2] = static_cast<char>(bytes_.size() / kBlock);
         return std::move(bytes_);

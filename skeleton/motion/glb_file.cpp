@@ -150,9 +150,10 @@ std::string rotations(const SkeletalMotion& motion, std::size_t node) {
     std::string out;
     glm::quat before(1, 0, 0, 0);
     for (const SkeletonPose& pose : motion.poses) {
-        // Rounding may turn a product of 0 negative: signs are settled for the floats themselves.
+        // The short way for readers that do not look for it. Settled for the rounded numbers, as
+        // rounding may turn a product of 0 negative.
         glm::quat q(pose.local[node]);
-        if (glm::dot(q, before) < 0) q = -q;
+        if (glm::dot(glm::dquat(q), glm::dquat(before)) < 0) q = -q;
         before = q;
         for (const float v : {q.x, q.y, q.z, q.w}) put_float(out, v);
     }

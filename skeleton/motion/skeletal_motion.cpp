@@ -59,16 +59,12 @@ dquat frame_of(const dvec3& up, const dvec3& left_across) {
     return glm::normalize(glm::quat_cast(dmat3(left_across, up, glm::cross(left_across, up))));
 }
 
-dquat same_sign(const dquat& q, const dquat& reference) {
-    return glm::dot(q, reference) < 0 ? -q : q;
-}
-
 class Poser {
   public:
     Poser(const std::array<double, kJointCount>& bone_m, const std::array<bool, kJointCount>& ever)
         : bone_m_(bone_m), ever_(ever) {
-        local_.fill(dquat(1, 0, 0, 0));
-        world_ = local_;
+        world_.fill(dquat(1, 0, 0, 0));
+        twist_free_ = world_;
     }
 
     SkeletonPose pose(const TrackFrame& frame) {
@@ -97,11 +93,9 @@ class Poser {
         pose.root_m = target_m_[0];
         for (const int n : tree_order()) {
             const int parent = rest_nodes()[n].parent;
-            const dquat local =
+            pose.local[n] =
                 parent < 0 ? world_[n] : glm::normalize(glm::conjugate(world_[parent]) * world_[n]);
-            local_[n] = same_sign(local, first_ ? dquat(1, 0, 0, 0) : local_[n]);
         }
-        pose.local = local_;
         first_ = false;
         return pose;
     }
@@ -170,15 +164,9 @@ class Poser {
     std::array<double, kJointCount> bone_m_;
     std::array<bool, kJointCount> ever_;
     std::array<dvec3, kJointCount> target_m_{};
-    std::array<dquat, kNodeCount> world_, local_;
-    std::array<dquat, kNodeCount> twist_free_ = filled_with_identity();
+    std::array<dquat, kNodeCount> world_;
+    std::array<dquat, kNodeCount> twist_free_;  ///< to the reference
     bool first_ = true;
-
-    static std::array<dquat, kNodeCount> filled_with_identity() {
-        std::array<dquat, kNodeCount> all;
-        all.fill(dquat(1, 0, 0, 0));
-        return all;
-    }
 };
 
 }  // namespace

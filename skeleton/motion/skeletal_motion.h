@@ -10,9 +10,7 @@
 
 namespace kino::motion_export {
 
-/// Rotations of all nodes, each relative to its parent. Of unit length, w not negative in the first
-/// frame, never more than a quarter turn on the sphere away from the frame before: signs never
-/// flip.
+/// Rotations of all nodes, each relative to its parent, of unit length and either sign.
 struct SkeletonPose {
     glm::dvec3 root_m{0};  ///< hip centre, world
     std::array<glm::dquat, kNodeCount> local;

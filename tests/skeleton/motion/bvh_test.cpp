@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "tests/skeleton/motion/bvh_reader.h"
@@ -109,6 +110,18 @@ TEST(Bvh, EulerAnglesAreTheRotationAndStayNear) {
         }
         for (int a = 0; a < 3; ++a) EXPECT_LE(std::abs(e[a] - before[a]), 2 * kPi);
         before = random.chance(0.1) ? glm::dvec3(0) : e;
+    }
+}
+
+TEST(Bvh, AnglesGoOverThePoleAndRoundTheCircleSteadily) {
+    for (int axis = 0; axis < 3; ++axis) {
+        glm::dvec3 unit(0), before(0);
+        unit[axis] = 1;
+        for (int step = 0; step <= 200; ++step) {
+            const double angle = 0.05 * step;
+            before = motion_export::euler_zxy(glm::angleAxis(angle, unit), before);
+            EXPECT_LT(glm::length(before - angle * unit), 1e-6) << angle;
+        }
     }
 }
 

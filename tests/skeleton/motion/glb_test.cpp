@@ -47,6 +47,15 @@ TEST(Glb, RotationsAreOfUnitLengthAndNeverFlip) {
     // Real motion at 30 Hz is far from a quarter turn on the quaternions' sphere (cosine 0).
     for (const Motion motion : all_motions()) check(synthetic_clip(motion), 0.8);
     check(random_clip(9, 300), 0);
+    // Half turns of the whole person: the product is 0, whose sign is rounding's.
+    const Places random = world_places(random_clip(12, 100));
+    Places turning;
+    for (const auto& p : random) {
+        turning.push_back(p);
+        auto& turned = turning.emplace_back(p);
+        for (glm::dvec3& v : turned) v = {-v.x, v.y, -v.z};
+    }
+    check(clip_of(turning), 0);
 }
 
 TEST(Glb, TheMeshFollowsTheBones) {
