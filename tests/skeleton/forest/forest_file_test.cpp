@@ -124,6 +124,17 @@ TEST(ForestFile, MutationsNeverBreakTheParser) {
     EXPECT_LT(accepted, 15000);
 }
 
+// Written by another program from docs/forest.md.
+TEST(ForestFile, SeedsOfTheFuzzersAreAccepted) {
+    const std::string bytes = test::read_bytes("tests/data/fuzz/forest/splits");
+    const auto forest = forest_from_bytes(
+        {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "x");
+    ASSERT_TRUE(forest.has_value()) << forest.error().to_string();
+    EXPECT_EQ(forest->trees.at(0).nodes.at(1).feature.v[1], 2000);
+    EXPECT_EQ(forest->trees.at(1).nodes.at(0).leaf, 0);
+    EXPECT_TRUE(parse_pcl_tree(test::read_bytes("tests/data/fuzz/pcl_tree/two"), "x").has_value());
+}
+
 TEST(Forest, DefectsAreNamed) {
     const Forest good = test::random_forest(7, 4, 2, 3, 0);
     EXPECT_EQ(forest_defect(good), "");
