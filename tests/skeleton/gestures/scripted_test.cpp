@@ -1,0 +1,229 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tests/skeleton/gestures/stage.h"
+
+namespace kino {
+namespace {
+
+using test::arm;
+using test::Key;
+using test::keyed;
+using test::kinds;
+using test::recognize;
+using test::record;
+using test::scripted;
+using testing::IsEmpty;
+using K = GestureKind;
+
+const ArmPose kHangL = arm(0, {0.15, -1, 0}, {0.05, -1, 0.2});
+const ArmPose kHangR = arm(1, {0.15, -1, 0}, {0.05, -1, 0.2});
+const ArmPose kReadyL = arm(0, {0.3, -0.8, 0.5}, {0, 0.1, 1});
+const ArmPose kReadyR = arm(1, {0.3, -0.8, 0.5}, {0, 0.1, 1});
+const ArmPose kOutR = arm(1, {0.6, -0.45, 0.65}, {0.75, 0.1, 0.7});
+const ArmPose kAcrossR = arm(1, {0.0, -0.5, 0.85}, {-0.7, 0.1, 0.7});
+const ArmPose kHighR = arm(1, {0.2, 0.1, 1}, {0.0, 0.9, 0.6});
+const ArmPose kLowR = arm(1, {0.2, -0.55, 0.8}, {0.0, -0.3, 0.95});
+
+std::vector<Key> stroke(const ArmPose& from, const ArmPose& to, double seconds) {
+    return {{0, kHangL, kHangR},
+            {0.5, kHangL, kHangR},
+            {1.3, kHangL, from},
+            {1.8, kHangL, from},
+            {1.8 + seconds, kHangL, to},
+            {2.4 + seconds, kHangL, to},
+            {3.2 + seconds, kHangL, kHangR},
+            {5, kHangL, kHangR}};
+}
+
+struct Scene {
+    const char* name;
+    test::PoseAt pose;
+    std::vector<K> expected;
+    double seconds = 10;
+};
+
+std::vector<Scene> scenes() {
+    const auto spread = [](double s) {  // two hands from near to far
+        return std::vector<Key>{{0, kHangL, kHangR},
+                                {0.5, kHangL, kHangR},
+                                {1.3, arm(0, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1}),
+                                 arm(1, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1})},
+                                {2.0, arm(0, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1}),
+                                 arm(1, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1})},
+                                {2.0 + s, arm(0, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8}),
+                                 arm(1, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8})},
+                                {2.6 + s, arm(0, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8}),
+                                 arm(1, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8})},
+                                {3.4 + s, kHangL, kHangR},
+                                {6, kHangL, kHangR}};
+    };
+    return {
+        {"wave", scripted(Motion::wave), {K::wave}},
+        {"swipe twice", scripted(Motion::swipe), {K::swipe_left, K::swipe_left}},
+        {"raise both", scripted(Motion::raise), {K::raise_both}},
+        {"push three times", scripted(Motion::push), {K::push, K::push, K::push}},
+        {"t-pose", scripted(Motion::tpose), {K::t_pose}},
+        {"swipe left", keyed(stroke(kOutR, kAcrossR, 0.5)), {K::swipe_left}, 5},
+        {"swipe right", keyed(stroke(kAcrossR, kOutR, 0.5)), {K::swipe_right}, 5},
+        {"swipe up", keyed(stroke(kLowR, kHighR, 0.5)), {K::swipe_up}, 5},
+        {"swipe down", keyed(stroke(kHighR, kLowR, 0.5)), {K::swipe_down}, 5},
+        {"raise right",
+         keyed({{0, kHangL, kHangR},
+                {1, kHangL, kHangR},
+                {2, kHangL, arm(1, {0.3, 1, 0.1}, {0, 1, 0.1})},
+                {3.5, kHangL, arm(1, {0.3, 1, 0.1}, {0, 1, 0.1})},
+                {4.5, kHangL, kHangR}}),
+         {K::raise},
+         6},
+        {"zoom", keyed(spread(1.0)), {K::zoom}, 6},
+        {"dwell",
+         keyed({{0, kHangL, kHangR},
+                {1, kHangL, kHangR},
+                {1.8, kHangL, arm(1, {0.2, -0.3, 1}, {0, 0.1, 1})},
+                {4.5, kHangL, arm(1, {0.2, -0.3, 1}, {0, 0.1, 1})},
+                {5.3, kHangL, kHangR}}),
+         {K::dwell},
+         6.5},
+        {"idle", scripted(Motion::idle), {}},
+        {"walk", scripted(Motion::walk), {}},
+        {"turn", scripted(Motion::turn), {}},
+    };
+}
+
+class AtRate : public testing::TestWithParam<double> {};
+
+TEST_P(AtRate, EveryScriptGivesItsGesturesAndNoOther) {
+    for (const Scene& scene : scenes()) {
+        const auto events = recognize(record(scene.pose, {scene.seconds, GetParam()}));
+        EXPECT_EQ(kinds(events), scene.expected) << scene.name;
+        for (const GestureEvent& e : events) {
+            EXPECT_LE(e.start_time, e.time);
+            EXPECT_GE(e.start_time, from_seconds(100));
+            EXPECT_TRUE(e.confidence > 0.3f && e.confidence <= 1) << scene.name;
+        }
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Gestures, AtRate, testing::Values(15.0, 30.0, 60.0));
+
+TEST(Gestures, HappenAtTheSameTimeAtEveryRate) {
+    for (const Scene& scene : scenes()) {
+        const auto slow = recognize(record(scene.pose, {scene.seconds, 15}));
+        const auto fast = recognize(record(scene.pose, {scene.seconds, 60}));
+        for (const GestureEvent& a : slow) {
+            if (a.phase == GesturePhase::change) continue;
+            double nearest_s = 1e9;
+            for (const GestureEvent& b : fast)
+                if (a.kind == b.kind && a.phase == b.phase)
+                    nearest_s = std::min(nearest_s, std::abs(to_seconds(a.time - b.time)));
+            EXPECT_LT(nearest_s, 0.2) << scene.name << " " << gesture_name(a.kind);
+        }
+    }
+}
+
+TEST(Gestures, RecallAndPrecisionWithNoise) {
+    std::map<K, std::array<int, 3>> score;  // expected, found, seen
+    int expected = 0, found = 0, seen = 0;
+    for (const double noise_m : {0.005, 0.01, 0.015}) {
+        for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+            for (const Scene& scene : scenes()) {
+                auto want = scene.expected;
+                const auto got =
+                    kinds(recognize(record(scene.pose, {scene.seconds, 30, noise_m, seed})));
+                expected += static_cast<int>(want.size());
+                seen += static_cast<int>(got.size());
+                for (const K k : want) ++score[k][0];
+                for (const K k : got) {
+                    ++score[k][2];
+                    const auto hit = std::find(want.begin(), want.end(), k);
+                    if (hit == want.end()) {
+                        std::printf("false %s in %s, noise %.3f seed %d\n",
+                                    std::string(gesture_name(k)).c_str(), scene.name, noise_m,
+                                    static_cast<int>(seed));
+                        continue;
+                    }
+                    want.erase(hit);
+                    ++found;
+                    ++score[k][1];
+                }
+                for (const K k : want)
+                    std::printf("missed %s in %s, noise %.3f seed %d\n",
+                                std::string(gesture_name(k)).c_str(), scene.name, noise_m,
+                                static_cast<int>(seed));
+            }
+        }
+    }
+    for (const auto& [kind, s] : score)
+        std::printf("%-12s expected %3d found %3d seen %3d\n",
+                    std::string(gesture_name(kind)).c_str(), s[0], s[1], s[2]);
+    EXPECT_GE(found, 0.95 * expected);
+    EXPECT_GE(found, 0.95 * seen);
+}
+
+TEST(Gestures, ScaleWithTheBody) {
+    // A child's arms are as long in their own measure: the same events at 0.6 of the size.
+    for (const Scene& scene : scenes()) {
+        auto frames = record(scene.pose, {scene.seconds, 30});
+        for (BodyFrame& frame : frames)
+            for (Body& body : frame.bodies) {
+                const glm::vec3 base(0, 0.9f, 2.7f);
+                for (JointPosition& j : body.joints)
+                    j.position_m = base + 0.6f * (j.position_m - base);
+            }
+        EXPECT_EQ(kinds(recognize(frames)), scene.expected) << scene.name;
+    }
+}
+
+TEST(Zoom, ValueIsTheRatioOfTheDistances) {
+    for (const Scene& scene : scenes()) {
+        if (std::string_view(scene.name) != "zoom") continue;
+        const auto events = recognize(record(scene.pose, {scene.seconds, 30}));
+        std::vector<double> values;
+        int begins = 0, ends = 0;
+        for (const GestureEvent& e : events) {
+            begins += e.phase == GesturePhase::begin;
+            ends += e.phase == GesturePhase::end;
+            values.push_back(e.value);
+        }
+        EXPECT_EQ(begins, 1);
+        EXPECT_EQ(ends, 1);
+        ASSERT_FALSE(values.empty());
+        EXPECT_GT(*std::max_element(values.begin(), values.end()), 1.8);
+    }
+}
+
+TEST(Gestures, SameFramesGiveTheSameEventsAndAJumpBackStartsAnew) {
+    const auto frames = record(scripted(Motion::swipe), {10, 30, 0.01, 4});
+    GestureRecognizer recognizer;
+    const auto first = recognize(frames, recognizer);
+    EXPECT_EQ(first, recognize(frames, recognizer));
+    EXPECT_THAT(recognizer.update(frames.back()), IsEmpty()) << "the same frame twice";
+}
+
+TEST(Gestures, NotANumberAndLostJointsMakeNoEventsAndNoHarm) {
+    test::Random random(5);
+    GestureRecognizer recognizer;
+    for (BodyFrame frame : record(scripted(Motion::dance), {10, 30})) {
+        for (JointPosition& joint : frame.bodies[0].joints) {
+            if (random.chance(0.2)) joint.state = JointState::lost;
+            if (random.chance(0.1)) joint.position_m.x = std::nanf("");
+            if (random.chance(0.05)) joint.position_m = glm::vec3(0);
+            if (random.chance(0.05)) joint.position_m.z = 3e38f;
+            if (random.chance(0.05)) joint.confidence = std::nanf("");
+        }
+        for (const GestureEvent& e : recognizer.update(frame)) {
+            EXPECT_TRUE(std::isfinite(e.value) && e.confidence >= 0 && e.confidence <= 1);
+            EXPECT_LE(e.start_time, e.time);
+        }
+    }
+    for (BodyFrame frame : record(scripted(Motion::wave), {10, 30})) {
+        for (JointPosition& joint : frame.bodies[0].joints) joint.state = JointState::lost;
+        EXPECT_THAT(recognizer.update(frame), IsEmpty());
+    }
+}
+
+}  // namespace
+}  // namespace kino
