@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
@@ -134,10 +135,14 @@ Result<RecorderStatus> record(const RecordOptions& options) {
         KINO_ASSIGN(uri, first_device());
     }
     KINO_ASSIGN(const auto source, open_source(uri));
-    KINO_TRY(subscribe_what_goes(*source));
+    KINO_ASSIGN(std::vector<StreamId> streams, subscribe_what_goes(*source));
+    std::erase_if(streams, [](StreamId id) {
+        return id.kind == StreamKind::bodies || id.kind == StreamKind::motion;
+    });
     KINO_ASSIGN(const RigParameters rig, source->calibration());
     KINO_ASSIGN(const auto recorder,
-                Recorder::create(options.out, source->info(), rig, {.codec = options.codec}));
+                Recorder::create(options.out, source->info(), rig,
+                                 {.codec = options.codec, .streams = streams}));
     KINO_TRY(RecordRun(options, *source, *recorder).run());
     return recorder->close();
 }

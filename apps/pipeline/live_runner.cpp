@@ -9,6 +9,10 @@ namespace {
 /// The process thread looks this often whether another frame is due: a small part of a frame time.
 constexpr auto kLook = std::chrono::milliseconds(2);
 constexpr TimeNs kDeviceWait = 50 * kNsPerMs;
+
+bool is_picture(StreamKind kind) {
+    return kind == StreamKind::depth || kind == StreamKind::color || kind == StreamKind::infrared;
+}
 }  // namespace
 
 LiveRunner::LiveRunner(OpenedSource opened, LiveRunnerOptions options)
@@ -20,6 +24,10 @@ LiveRunner::LiveRunner(OpenedSource opened, LiveRunnerOptions options)
     }
     info_ = opened_.source->info();
     if (auto rig = opened_.source->calibration()) rig_ = std::move(*rig);
+    for (const StreamId id : opened_.streams) {
+        if (is_picture(id.kind)) pictures_.push_back(id);
+    }
+    live_source_ = dynamic_cast<LiveSource*>(opened_.source.get());
     controls_ = opened_.source->controls();
     thread_ = std::thread([this] { run(); });
 }
@@ -41,7 +49,7 @@ void LiveRunner::stop() {
 LiveStatus LiveRunner::status() const {
     const std::lock_guard lock(mutex_);
     LiveStatus status = status_;
-    status.dropped += mailbox_.dropped();
+    status.dropped += mailbox_.dropped() + status.overtaken;
     if (playback_) {
         const TimeNs now = clock_();
         status.frame_count = playback_->frame_count();
@@ -100,7 +108,7 @@ Result<void> LiveRunner::start_recording(const std::filesystem::path& file, Sess
     const std::lock_guard lock(mutex_);
     if (status_.is_recording) return fail("a recording is under way already", file.string());
     KINO_ASSIGN(std::shared_ptr<Recorder> recorder,
-                Recorder::create(file, info_, rig_, {.codec = codec}));
+                Recorder::create(file, info_, rig_, {.codec = codec, .streams = pictures_}));
     wanted_recorder_ = std::move(recorder);
     status_.is_recording = true;
     status_.recording = wanted_recorder_->status();
@@ -110,7 +118,7 @@ Result<void> LiveRunner::start_recording(const std::filesystem::path& file, Sess
 void LiveRunner::stop_recording() {
     {
         const std::lock_guard lock(mutex_);
-        wanted_recorder_ = nullptr;
+        if (wanted_recorder_) left_recorder_ = std::exchange(wanted_recorder_, nullptr);
     }
     changed_.notify_all();
 }
@@ -118,11 +126,15 @@ void LiveRunner::stop_recording() {
 /// Takes up and lays down recorders as start_recording() and stop_recording() said.
 void LiveRunner::follow_recording() {
     std::shared_ptr<Recorder> wanted;
+    std::shared_ptr<Recorder> left;
     {
         const std::lock_guard lock(mutex_);
         wanted = wanted_recorder_;
+        left = std::exchange(left_recorder_, nullptr);
         if (recorder_ && recorder_ == wanted) status_.recording = recorder_->status();
     }
+    // Ended before this thread had seen it begin.
+    if (left && left != recorder_) end_recording(left);
     if (wanted == recorder_) return;
     if (recorder_) end_recording(std::exchange(recorder_, nullptr));
     if (!wanted) return;
@@ -153,7 +165,9 @@ void LiveRunner::hear_events() {
     if (recorder_) {
         for (const Event& event : events) recorder_->put_event(event);
     }
+    const std::int64_t overtaken = live_source_ != nullptr ? live_source_->stats().overtaken : 0;
     const std::lock_guard lock(mutex_);
+    status_.overtaken = overtaken;
     for (const Event& event : events) {
         ++status_.events;
         status_.last_event = event.text;
@@ -170,10 +184,7 @@ void LiveRunner::run() {
     } else {
         run_device();
     }
-    {
-        const std::lock_guard lock(mutex_);
-        wanted_recorder_ = nullptr;
-    }
+    stop_recording();
     follow_recording();
 }
 
@@ -203,7 +214,7 @@ void LiveRunner::run_timeline() {
     while (!stopping_) {
         const std::int64_t due = playback_->due(clock_());
         if (last && due == *last) {
-            if (recorder_ != wanted_recorder_) {
+            if (recorder_ != wanted_recorder_ || left_recorder_) {
                 lock.unlock();
                 follow_recording();
                 lock.lock();

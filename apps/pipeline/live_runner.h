@@ -9,9 +9,11 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "apps/pipeline/opened_source.h"
 #include "base/mailbox.h"
+#include "sensor/live/live_source.h"
 #include "sensor/session/recorder.h"
 
 namespace kino {
@@ -35,8 +37,9 @@ struct LiveStatus {
     std::int64_t dropped = 0;
     std::int64_t errors = 0;  ///< frames that could not be read or processed
     std::string last_error;
-    bool present = true;     ///< the device is there; it goes with `lost` and comes with `back`
-    std::string last_event;  ///< what the source last said, for a person
+    std::int64_t overtaken = 0;  ///< of `dropped`: within the source
+    bool present = true;         ///< the device is there; it goes with `lost` and comes with `back`
+    std::string last_event;      ///< what the source last said, for a person
     std::int64_t events = 0;
     std::optional<RecorderStatus> recording;  ///< while one is under way, and its end afterwards
     bool is_recording = false;
@@ -110,12 +113,16 @@ class LiveRunner {
     bool jumped_ = true;  ///< the due frame moved by command, not by time: nothing was skipped
     bool stopping_ = false;
     std::shared_ptr<Recorder> wanted_recorder_;
+    std::shared_ptr<Recorder>
+        left_recorder_;  ///< no longer wanted, and not yet ended for all we know
     // Of the runner's thread:
     std::shared_ptr<Recorder> recorder_;
     bool recorder_is_tapped_ = false;
 
     SourceInfo info_;
-    RigParameters rig_;  ///< as the source says, before any filter
+    std::vector<StreamId> pictures_;
+    const LiveSource* live_source_ = nullptr;  ///< `opened_`'s, if it is a device
+    RigParameters rig_;                        ///< as the source says, before any filter
     Controls* controls_ = nullptr;
     std::thread thread_;
 };

@@ -4,25 +4,25 @@
 
 namespace kino {
 
-Result<void> subscribe_what_goes(Source& source) {
-    bool any = false;
+Result<std::vector<StreamId>> subscribe_what_goes(Source& source) {
+    std::vector<StreamId> going;
     std::optional<Error> refused;
     for (const StreamInfo& stream : source.info().streams) {
         if (auto subscribed = source.subscribe(stream.id)) {
-            any = true;
+            going.push_back(stream.id);
         } else if (!refused) {
             refused = std::move(subscribed).error();
         }
     }
     // A recording whose streams do not open is broken; a device may have to choose.
-    if (refused && (!any || source.timeline() != nullptr)) return fail(*refused);
-    return {};
+    if (refused && (going.empty() || source.timeline() != nullptr)) return fail(*refused);
+    return going;
 }
 
 Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
                                          const PlayOptions& options) {
     const std::string uri = source->info().uri;
-    KINO_TRY(subscribe_what_goes(*source));
+    KINO_ASSIGN(std::vector<StreamId> streams, subscribe_what_goes(*source));
     auto rig = source->calibration();
     if (!rig) return fail(rig.error(), uri);
     KINO_ASSIGN(DepthFilterChain filters, DepthFilterChain::parse(options.filters));
@@ -34,7 +34,7 @@ Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
     } else if (const Timeline* timeline = source->timeline()) {
         mode = natural_loop(*timeline);
     }
-    return OpenedSource{std::move(source), std::move(*processor), mode};
+    return OpenedSource{std::move(source), std::move(*processor), mode, std::move(streams)};
 }
 
 Result<OpenedSource> open_for_playing(const std::string& uri, const PlayOptions& options) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/pipeline/processor.h"
 #include "sensor/playback.h"
@@ -16,6 +17,7 @@ struct OpenedSource {
     std::unique_ptr<Source> source;
     Processor processor;
     LoopMode mode = LoopMode::loop;  ///< as asked for, else what suits the recording
+    std::vector<StreamId> streams;   ///< that are subscribed
 };
 
 /// How a source is to be played.
@@ -25,8 +27,8 @@ struct PlayOptions {
 };
 
 /// Subscribes to every stream; a device's that exclude each other as far as they go together, in
-/// the order in which it lists them.
-[[nodiscard]] Result<void> subscribe_what_goes(Source& source);
+/// the order in which it lists them. Returns those that were subscribed.
+[[nodiscard]] Result<std::vector<StreamId>> subscribe_what_goes(Source& source);
 
 /// Opens, subscribes, calibrates. Streams that cannot be had beside the others (a Kinect v1 sends
 /// colour or infrared) are left out.
