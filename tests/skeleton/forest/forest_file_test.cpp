@@ -127,8 +127,8 @@ TEST(ForestFile, MutationsNeverBreakTheParser) {
 // Written by another program from docs/forest.md.
 TEST(ForestFile, SeedsOfTheFuzzersAreAccepted) {
     const std::string bytes = test::read_bytes("tests/data/fuzz/forest/splits");
-    const auto forest = forest_from_bytes(
-        {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "x");
+    const auto forest =
+        forest_from_bytes({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}, "x");
     ASSERT_TRUE(forest.has_value()) << forest.error().to_string();
     EXPECT_EQ(forest->trees.at(0).nodes.at(1).feature.v[1], 2000);
     EXPECT_EQ(forest->trees.at(1).nodes.at(0).leaf, 0);
@@ -157,6 +157,9 @@ TEST(Forest, DefectsAreNamed) {
     bad = good;
     bad.trees.clear();
     EXPECT_EQ(forest_defect(bad), "0 trees");
+    bad = good;
+    bad.trees[0].nodes = {ForestNode{{}, 0, -1, 0}, ForestNode{{}, 0, -1, 0}, ForestNode{{}, 0, 1}};
+    EXPECT_EQ(forest_defect(bad), "tree 0 node 2 is out of order");
     EXPECT_EQ(tree_depth(good.trees[0]), 3);
 }
 

@@ -265,6 +265,27 @@ TEST(SplitSearch, GainEqualsASlowReference) {
     EXPECT_EQ(sum, search.totals(0));
 }
 
+// Thresholds of a few mm, so that many responses lie on them.
+TEST(SplitSearch, CountsTheSidesThatTheWalkTakes) {
+    const Balls balls(3);
+    TrainingBlock block;
+    ASSERT_TRUE(block.load(balls, 0, 3, {1, 0, 500, 0}, 1).has_value());
+    for (std::uint64_t path = 1; path < 20; ++path) {
+        const SplitSpace space{5, 4, 4, 100, 6};
+        SplitSearch search(space, {draw_candidates(space, 1, 0, path)});
+        for (const auto& list : block.samples()) search.count(0, list, block, 0, 5);
+        const BestSplit best = search.best(0);
+        std::vector<ForestNode> nodes(3);
+        nodes[0] = {best.feature, best.threshold_mm, 1, -1};
+        block.walk(nodes, 1);
+        std::vector<std::uint64_t> left(4), right(4);
+        for (const auto& list : block.samples())
+            for (const TrainingSample& s : list) ++(s.node == 1 ? left : right)[s.label];
+        EXPECT_EQ(left, best.left);
+        EXPECT_EQ(right, best.right);
+    }
+}
+
 TEST(SplitSearch, CandidatesDependOnSeedTreeAndPathOnly) {
     const SplitSpace space{50, 20, 4, 600, 400};
     const auto a = draw_candidates(space, 1, 0, 5);
