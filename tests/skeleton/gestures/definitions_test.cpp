@@ -4,6 +4,7 @@
 #include <random>
 
 #include "tests/skeleton/gestures/fuzz/target.h"
+#include "tests/support/temp_dir.h"
 
 namespace kino {
 namespace {
@@ -35,6 +36,11 @@ TEST(Definitions, RoundTrip) {
     EXPECT_EQ(back->wave.min_swing, 0.22);
     ASSERT_EQ(back->learned.size(), 1u);
     EXPECT_EQ(back->learned[0], defaults.learned[0]);
+}
+
+TEST(Definitions, TheManualListsTheDefaults) {
+    const std::string manual = test::read_bytes("docs/gestures.md");
+    EXPECT_THAT(manual, HasSubstr(gestures_to_json({})));
 }
 
 TEST(Definitions, WhatIsNotThereKeepsItsDefault) {

@@ -195,6 +195,34 @@ TEST(Zoom, ValueIsTheRatioOfTheDistances) {
     }
 }
 
+TEST(Rotate, ValueIsTheTurnWithItsSign) {
+    const ArmPose level_l = arm(0, {0.4, -0.4, 0.9}, {0.2, 0.3, 1});
+    const ArmPose level_r = arm(1, {0.4, -0.4, 0.9}, {0.2, 0.3, 1});
+    for (const std::size_t high : {0u, 1u}) {
+        const ArmPose up = arm(high, {0.4, -0.2, 0.9}, {0.2, 1, 0.8});
+        const ArmPose down = arm(1 - high, {0.4, -0.7, 0.8}, {0.2, -0.15, 1});
+        const ArmPose end_l = high == 0 ? up : down, end_r = high == 0 ? down : up;
+        const auto events = recognize(record(keyed({{0, kHangL, kHangR},
+                                                    {1, kHangL, kHangR},
+                                                    {1.8, level_l, level_r},
+                                                    {2.4, level_l, level_r},
+                                                    {3.4, end_l, end_r},
+                                                    {4, end_l, end_r},
+                                                    {4.8, kHangL, kHangR}}),
+                                             {6, 30}));
+        double most = 0;
+        int ends = 0;
+        for (const GestureEvent& e : events) {
+            if (e.kind != K::rotate) continue;
+            if (std::abs(e.value) > std::abs(most)) most = e.value;
+            ends += e.phase == GesturePhase::end;
+        }
+        EXPECT_EQ(ends, 1);
+        EXPECT_GT(high == 0 ? most : -most, 0.43) << "the person's left hand goes up: clockwise";
+        EXPECT_LT(std::abs(most), 1.2);
+    }
+}
+
 TEST(Gestures, SameFramesGiveTheSameEventsAndAJumpBackStartsAnew) {
     const auto frames = record(scripted(Motion::swipe), {10, 30, 0.01, 4});
     GestureRecognizer recognizer;
