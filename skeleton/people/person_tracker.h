@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <vector>
+
+#include "base/time.h"
+#include "skeleton/people/blob.h"
+#include "skeleton/people/person.h"
+
+namespace kino {
+
+struct TrackerOptions {
+    double keep_s = 3;       ///< an identity is kept so long without being seen
+    double confirm_s = 0.1;  ///< somebody new is told of after this long and in two pictures
+    /// Without a background only who moves is told of; whoever has not moved for this long is
+    /// taken for furniture. Not for a moving sensor, which sees everything move.
+    bool ask_for_motion = true;
+    double patience_s = 5;
+    float gate_m = 0.45f;    ///< how far from the expected place, at least
+    float speed_m_s = 2.5f;  ///< by which the gate grows with the time since last seen
+    float max_gate_m = 2.2f;
+};
+
+/// One person through time. Places are in depth-camera space.
+struct PersonTrack {
+    std::uint32_t id = 0;  ///< 0: not confirmed yet
+    std::uint8_t slot = 0;
+    glm::vec3 at_m{0}, velocity_m_s{0};
+    float area_m2 = 0;  ///< typical visible area
+    float core_m2 = 0;  ///< typical area within kCoreM of the centroid, seen from above
+    float top_m = 0;    ///< typical highest point, upright
+    TimeNs born = 0, seen = 0;
+    int sightings = 0;
+    glm::vec3 born_at_m{0};
+    int stirs = 0;             ///< pictures in which part of it had changed
+    bool moved = false;        ///< has stirred, or has left the place of birth
+    std::optional<Blob> blob;  ///< in the present picture
+    [[nodiscard]] bool in_front() const { return blob && blob->known > 0.5f; }
+    [[nodiscard]] glm::vec3 expected_m(TimeNs time) const;
+};
+
+/// Gives blobs to people: constant-velocity prediction, best assignment by distance and size.
+class PersonTracker {
+  public:
+    PersonTracker(const TrackerOptions& options, const PersonTest& test)
+        : options_(options), test_(test) {}
+
+    void reset();
+    void set_test(const PersonTest& test) { test_ = test; }
+
+    /// Takes the blobs of one picture; times rise. `upright`: upright from camera axes;
+    /// `height_m`: the camera's above the floor.
+    void update(std::vector<Blob> blobs, const glm::mat3& upright, float height_m, TimeNs time);
+
+    [[nodiscard]] const std::vector<PersonTrack>& tracks() const { return tracks_; }
+
+    /// False for what may be furniture and has had its time: it may become background.
+    [[nodiscard]] bool protects(const PersonTrack& track, TimeNs time) const;
+
+    static constexpr float kCoreM = 0.28f;
+
+  private:
+    [[nodiscard]] std::vector<glm::vec3> expectations(TimeNs time) const;
+    [[nodiscard]] std::vector<Blob> split_shared(std::vector<Blob> blobs, TimeNs time) const;
+    [[nodiscard]] std::vector<Blob> gather(std::vector<Blob> blobs, TimeNs time) const;
+    void sight(PersonTrack& track, Blob blob, TimeNs time);
+    void begin(Blob blob, TimeNs time);
+    void confirm(TimeNs time);
+    [[nodiscard]] bool proven(const PersonTrack& track) const;
+    [[nodiscard]] glm::vec3 upright_of(const glm::vec3& camera) const;
+
+    TrackerOptions options_;
+    PersonTest test_;
+    std::vector<PersonTrack> tracks_;
+    glm::mat3 upright_{1};
+    float height_m_ = 0;
+    std::uint32_t next_id_ = 1;
+};
+
+}  // namespace kino
