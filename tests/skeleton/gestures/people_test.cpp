@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+
 #include "tests/skeleton/gestures/stage.h"
 
 /// Who is in control, what everyday motion does, and learned gestures.
@@ -240,6 +242,37 @@ TEST(Learned, BadExamplesAreRefused) {
     EXPECT_FALSE(learn({good, good, reversed}));
     EXPECT_FALSE(learn({good, good, nan}));
     EXPECT_FALSE(learn({good, good, {}}));
+}
+
+// The recursion of the whole table; 64 is the weight of every way through it.
+TEST(Learned, DistanceIsThatOfThePlainTable) {
+    test::Random random(3);
+    for (int round = 0; round < 20; ++round) {
+        HandPath a, b;
+        for (HandPath* path : {&a, &b}) {
+            glm::dvec3 p(0);
+            for (int i = 0; i < 32; ++i) {
+                p += glm::dvec3(random.real(-0.1, 0.1), random.real(-0.1, 0.1),
+                                random.real(-0.1, 0.1));
+                path->samples.push_back({i / 31.0, {p, p}});
+            }
+        }
+        double table[32][32];
+        for (int i = 0; i < 32; ++i)
+            for (int j = 0; j < 32; ++j) {
+                table[i][j] = 1e9;
+                if (std::abs(i - j) > 6) continue;
+                const double cost = glm::distance(a.samples[static_cast<std::size_t>(i)].hand[1],
+                                                  b.samples[static_cast<std::size_t>(j)].hand[1]);
+                if (i == 0 && j == 0) table[i][j] = 2 * cost;
+                if (i > 0 && j > 0) table[i][j] = table[i - 1][j - 1] + 2 * cost;
+                if (i > 0) table[i][j] = std::min(table[i][j], table[i - 1][j] + cost);
+                if (j > 0) table[i][j] = std::min(table[i][j], table[i][j - 1] + cost);
+            }
+        const auto one = GestureTemplate::learn("a", Hand::right, std::vector<HandPath>(3, b));
+        ASSERT_TRUE(one.has_value());
+        EXPECT_NEAR(one->distance(a), table[31][31] / 64, 1e-9);
+    }
 }
 
 TEST(Learned, DistanceIsZeroToItselfAndBlindToSpeed) {
