@@ -19,7 +19,7 @@ using testing::IsEmpty;
 using Bytes = std::vector<std::uint8_t>;
 
 Result<std::unique_ptr<Source>> open(const Bytes& bytes) {
-    return make_bag_source(memory_byte_source(bytes), "test.bag");
+    return make_bag_source(test::owned_bytes(bytes), "test.bag");
 }
 
 void expect_frames(const std::vector<FrameSet>& sets, int count) {
@@ -196,6 +196,15 @@ TEST(BagUnpacking, RefusesMoreThanItWasPromised) {
     lying[at] = 10;
     lying[at + 1] = lying[at + 2] = lying[at + 3] = 0;
     EXPECT_FALSE(open(lying));
+    // An LZ4 frame of one plain block: magic, flags, sizes, checksum, block, end.
+    const Bytes plain{0x04, 0x22, 0x4D, 0x18, 0x60, 0x40, 0x82, 4, 0, 0,
+                      0x80, 1,    2,    3,    4,    0,    0,    0, 0};
+    EXPECT_EQ(unpack_lz4(plain, 4, false).value_or(Bytes{}), (Bytes{1, 2, 3, 4}));
+    const auto more = unpack_lz4(plain, 3, false);
+    ASSERT_FALSE(more);
+    EXPECT_THAT(more.error().what, HasSubstr("more than it says"));
+    EXPECT_FALSE(unpack_lz4(plain, 3, true));
+    EXPECT_FALSE(unpack_lz4(plain, 5, false));
 }
 
 }  // namespace

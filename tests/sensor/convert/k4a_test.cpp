@@ -27,7 +27,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 Result<std::unique_ptr<Source>> open(const Bytes& bytes) {
-    return make_k4a_source(memory_byte_source(bytes), "test.mkv");
+    return make_k4a_source(test::owned_bytes(bytes), "test.mkv");
 }
 
 TEST(K4aImport, FramesAreThoseOfAnIndependentWriter) {
@@ -173,6 +173,8 @@ TEST(K4aImport, WhatIsWrongIsSaid) {
     EXPECT_THAT(problem(Bytes(100, 0)), HasSubstr("not a Matroska file"));
     EXPECT_THAT(problem(make_k4a({.color_fourcc = "H264"})), HasSubstr("pixel format"));
     EXPECT_THAT(problem(make_k4a({.frames = 0, .depth_name = "OTHER"})), HasSubstr("no picture"));
+    EXPECT_THAT(problem(make_k4a({.calibration = std::string(9 << 20, ' '), .frames = 0})),
+                HasSubstr("an element before the frames has"));
     EXPECT_THAT(problem(make_k4a({.color_width = 15, .color_fourcc = "NV12"})),
                 HasSubstr("odd size"));
 }
@@ -265,6 +267,34 @@ TEST(K4aExport, OfADepthModeComesBackAndFfmpegSeesTheSameBits) {
             " -map 0:v:1 -fps_mode passthrough -f rawvideo -pix_fmt gray16le - 2>/dev/null");
     EXPECT_TRUE(decoded == depth_bytes) << decoded.size() << " bytes of " << depth_bytes.size();
     EXPECT_THAT(run("mkvinfo " + name + " 2>&1"), testing::Not(HasSubstr("rror")));
+}
+
+TEST(K4aExport, OfAnImportIsTheSameRecording) {
+    const TempDir dir;
+    auto first = open(make_k4a({.calibration = test::sample_k4a_calibration()}));
+    ASSERT_TRUE(first && subscribe_all(**first));
+    const RigParameters rig = *(*first)->calibration();
+    test::TestGeometry geometry(rig);
+    auto sink = make_k4a_sink(dir / "a.mkv", {(*first)->info(), rig, &geometry}, {});
+    ASSERT_TRUE(sink);
+    ASSERT_TRUE(convert_recording(**first, nullptr, **sink, {}));
+    EXPECT_THAT((*sink)->losses().lines(),
+                testing::ElementsAre("motion frames, which this format cannot hold: 3"));
+    auto second = k4a_opener().open((dir / "a.mkv").string());
+    ASSERT_TRUE(second) << second.error().to_string();
+    EXPECT_EQ(*(*second)->calibration(), rig);
+    ASSERT_TRUE((*first)->timeline()->seek(0));
+    const auto was = read_all(**first);
+    const auto is = read_all(**second);
+    ASSERT_EQ(is.size(), was.size());
+    for (std::size_t i = 0; i < is.size(); ++i) {
+        EXPECT_TRUE(test::same_pixels(*is[i].depth, *was[i].depth));
+        ASSERT_TRUE(is[i].infrared && is[i].color);
+        EXPECT_EQ(is[i].infrared->raw, was[i].infrared->raw);
+        EXPECT_EQ(is[i].color->bytes, was[i].color->bytes);
+        EXPECT_EQ(is[i].depth->header.device_time, was[i].depth->header.device_time);
+        EXPECT_EQ(is[i].color->header.device_time, was[i].color->header.device_time);
+    }
 }
 
 TEST(K4aExport, OfOtherSizesKeepsRawDepthInATrackOfItsOwn) {

@@ -46,6 +46,20 @@ class ClipReader final : public FrameReader {
     Clip clip_;
 };
 
+class OwnedBytes final : public ByteSource {
+  public:
+    explicit OwnedBytes(std::vector<std::uint8_t> bytes)
+        : bytes_(std::move(bytes)), view_(memory_byte_source(bytes_)) {}
+    std::uint64_t size() const override { return view_->size(); }
+    bool read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
+        return view_->read(offset, out);
+    }
+
+  private:
+    std::vector<std::uint8_t> bytes_;
+    std::unique_ptr<ByteSource> view_;
+};
+
 }  // namespace
 
 Clip make_clip(const ClipStyle& style) {
@@ -175,6 +189,10 @@ bool same_picture(const ColorFrame& a, const ColorFrame& b) {
     Image<Rgba8> left;
     Image<Rgba8> right;
     return to_rgba8(a, left).has_value() && to_rgba8(b, right).has_value() && left == right;
+}
+
+std::unique_ptr<ByteSource> owned_bytes(std::vector<std::uint8_t> bytes) {
+    return std::make_unique<OwnedBytes>(std::move(bytes));
 }
 
 std::vector<std::string> names_in(const std::filesystem::path& folder) {

@@ -8,6 +8,7 @@
 #include "sensor/convert/convert.h"
 #include "sensor/convert/frame_sink.h"
 #include "sensor/recording_source.h"
+#include "sensor/session/byte_source.h"
 #include "tests/support/temp_dir.h"
 
 namespace kino::test {
@@ -60,6 +61,9 @@ class TestGeometry final : public ConvertGeometry {
 [[nodiscard]] bool same_pixels(const DepthFrame& a, const DepthFrame& b);
 /// As RGBA, whatever the formats are.
 [[nodiscard]] bool same_picture(const ColorFrame& a, const ColorFrame& b);
+
+/// Bytes that live as long as the source made of them.
+[[nodiscard]] std::unique_ptr<ByteSource> owned_bytes(std::vector<std::uint8_t> bytes);
 
 /// The names inside a folder.
 [[nodiscard]] std::vector<std::string> names_in(const std::filesystem::path& folder);
