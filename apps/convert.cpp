@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -133,6 +133,7 @@ class Progress {
 
 struct Outcome {
     std::string kind;
+    std::string note;  ///< what the recording says of itself: "the bag is cut off"
     ConvertReport report;
     std::unique_ptr<FrameSink> sink;
 };
@@ -178,6 +179,7 @@ Result<Outcome> convert(const ConvertOptions& options) {
         // The sink goes, and with it what it wrote.
         return fail(std::move(report).error(), options.out.string());
     }
+    outcome.note = source->info().note;
     outcome.report = *std::move(report);
     return outcome;
 }
@@ -194,6 +196,7 @@ void print_summary(const ConvertOptions& options, const Outcome& outcome) {
         frames += fmt::format("{}{} {}", frames.empty() ? "" : ", ", count, stream_name(kind));
     }
     fmt::print("{}: {} frames as {}\n", options.out.string(), frames, outcome.kind);
+    if (!outcome.note.empty()) fmt::print("of {}: {}\n", options.in, outcome.note);
     for (const std::string& line : outcome.sink->losses().lines()) {
         fmt::print("not kept: {}\n", line);
     }
@@ -204,6 +207,7 @@ void print_json(const ConvertOptions& options, const Outcome& outcome) {
     for (const StreamKind kind : kKinds) {
         out["frames"][stream_name(kind)] = outcome.sink->written(kind);
     }
+    out["note"] = outcome.note;
     out["not_kept"] = outcome.sink->losses().lines();
     out["unreadable"] = outcome.report.unreadable;
     fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
