@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sensor/convert/bag_import.h"
+#include "sensor/convert/k4a_mkv.h"
 #include "sensor/kinect1/kinect1_driver.h"
 #include "sensor/live/composite.h"
 #include "sensor/openni2/openni2.h"
@@ -14,6 +16,8 @@ namespace kino {
 void register_sources() {
     register_synthetic_source();
     register_source(oni_opener());
+    register_source(k4a_opener());
+    register_source(bag_opener());
     register_source(session_opener());
     register_source(v4l2_opener());
     register_source(openni2_opener());
