@@ -30,7 +30,7 @@ struct RowRange {
 };
 
 enum class DepthUnit : std::uint8_t {
-    linear,             ///< raw * metres_per_unit, 0 = no reading
+    linear,  ///< raw * metres_per_unit, 0 = no reading
     /// Kinect v1 shift in 11 bits, larger is farther, 2047 = no reading. A device in 10-bit mode
     /// gives twice its count, and 2047 for 1023.
     kinect_disparity11

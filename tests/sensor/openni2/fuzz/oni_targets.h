@@ -1,8 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
 #include "base/check.h"
@@ -21,7 +21,7 @@ class MemoryInput final : public OniInput {
     std::uint64_t size() const override { return bytes_.size(); }
     bool read(std::uint64_t position, std::span<std::uint8_t> out) const override {
         if (position > bytes_.size() || out.size() > bytes_.size() - position) return false;
-        std::memcpy(out.data(), bytes_.data() + position, out.size());
+        std::ranges::copy(bytes_.subspan(position, out.size()), out.begin());
         return true;
     }
 
