@@ -18,6 +18,7 @@ namespace {
 
 constexpr TimeNs kPictureTime = kNsPerSecond / 60;
 constexpr TimeNs kIdleTime = kNsPerSecond / 10;
+constexpr TimeNs kLookForFrame = 2 * kNsPerMs;
 constexpr TimeNs kMessageTime = 4 * kNsPerSecond;
 /// With several recordings, each is shown at least this long before the next.
 constexpr TimeNs kLeastShown = 10 * kNsPerSecond;
@@ -430,7 +431,9 @@ Result<void> Viewer::run(const std::string& note) {
     TimeNs last_loop = started_;
     while (!window_.should_close() && !interrupted() &&
            (!options_.frames || pictures_ < *options_.frames)) {
-        const WindowInput input = window_.poll(std::max<TimeNs>(0, next_picture - now_ns()));
+        // A fresh frame does not end the waiting, so it is kept short.
+        const WindowInput input =
+            window_.poll(std::clamp<TimeNs>(next_picture - now_ns(), 0, kLookForFrame));
         const TimeNs now = now_ns();
         act_on_input(input, std::min(0.1, to_seconds(now - last_loop)));
         last_loop = now;
