@@ -32,12 +32,13 @@ struct StreamInfo {
     std::string format;  ///< for a person: "16 bit, 5000 per metre", "png rgb"
 };
 
-enum class EventKind : std::uint8_t { started, lost, back, ended };
+enum class EventKind : std::uint8_t { started, lost, back, ended, gesture };
 
 struct Event {
     EventKind kind = EventKind::started;
     TimeNs time = 0;
-    std::string text;
+    std::string text;    ///< for a person
+    std::string detail;  ///< of a gesture: a JSON object, as gesture_to_json() writes it
 };
 
 struct SourceInfo {

@@ -205,6 +205,8 @@ const char* event_kind_name(EventKind kind) {
             return "lost";
         case EventKind::back:
             return "back";
+        case EventKind::gesture:
+            return "gesture";
         case EventKind::ended:
             break;
     }
