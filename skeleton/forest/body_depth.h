@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/image.h"
@@ -30,6 +31,8 @@ class BodyDepth {
 
     [[nodiscard]] forest::WalkImage image() const;
     [[nodiscard]] forest::WalkPixels pixels() const;
+    /// The memory that image() points to.
+    [[nodiscard]] std::span<const std::uint16_t> padded() const { return padded_; }
 
   private:
     int left_ = 0, top_ = 0;  // image coordinates of the padded picture's first pixel

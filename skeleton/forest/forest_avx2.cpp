@@ -130,10 +130,32 @@ void vote(const VoteInput& in, std::size_t count, std::uint8_t* label, std::uint
     }
 }
 
+void probe(const WalkImage& image, const ProbePixel& p, const std::uint32_t* u,
+           const std::uint32_t* v, std::size_t count, std::int32_t* out) {
+    const auto halves = [](std::int32_t low, std::int32_t high) {
+        return _mm256_set1_epi32(low | high << 16);
+    };
+    const Constants c{halves(image.max_x, image.max_y), halves(1, image.pitch),
+                      reinterpret_cast<const int*>(image.depth)};
+    const __m256i xy = _mm256_set1_epi32(static_cast<std::int32_t>(p.xy));
+    const __m256i scale = halves(p.scale, p.scale);
+    const __m256i low = _mm256_set1_epi32(p.low), high = _mm256_set1_epi32(p.high);
+    const auto load8 = [](const std::uint32_t* from) {
+        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
+    };
+    const __m256i own = sample(c, xy, scale, _mm256_setzero_si256());
+    for (std::size_t i = 0; i < count; i += 8) {
+        const __m256i second = v == nullptr ? own : sample(c, xy, scale, load8(v + i));
+        __m256i d = _mm256_sub_epi32(sample(c, xy, scale, load8(u + i)), second);
+        d = _mm256_sub_epi32(_mm256_min_epi32(_mm256_max_epi32(d, low), high), low);
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + i), d);
+    }
+}
+
 }  // namespace
 
 const Functions* avx2_functions() {
-    static constexpr Functions kAvx2{walk, vote, "avx2"};
+    static constexpr Functions kAvx2{walk, vote, probe, "avx2"};
     return &kAvx2;
 }
 

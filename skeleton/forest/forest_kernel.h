@@ -39,12 +39,23 @@ struct VoteInput {
     int stride;                         ///< 16 or 32
 };
 
+/// The pixel whose features a trainer asks for, and what it wants to know.
+struct ProbePixel {
+    std::uint32_t xy;
+    std::int16_t scale;
+    std::int32_t low, high;  ///< differences are clamped to these
+};
+
 /// Every implementation gives the same bits: all arithmetic is on integers.
 struct Functions {
     /// Distribution index of each pixel. An offset o becomes (o * scale + 2^14) >> 15 pixels.
     void (*walk)(const WalkNode* nodes, const WalkImage&, const WalkPixels&, std::int32_t* leaf);
     /// The label with the largest sum over the trees (the lowest of equals) and that sum.
     void (*vote)(const VoteInput&, std::size_t count, std::uint8_t* label, std::uint16_t* votes);
+    /// out[i] = depth at offset u[i] minus depth at v[i] (x low, y high half; v null: at the pixel
+    /// itself), clamped, minus low. `count` is a multiple of 8.
+    void (*probe)(const WalkImage&, const ProbePixel&, const std::uint32_t* u,
+                  const std::uint32_t* v, std::size_t count, std::int32_t* out);
     const char* name;
 };
 

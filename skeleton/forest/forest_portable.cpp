@@ -48,10 +48,25 @@ void vote(const VoteInput& in, std::size_t count, std::uint8_t* label, std::uint
     }
 }
 
+void probe(const WalkImage& image, const ProbePixel& p, const std::uint32_t* u,
+           const std::uint32_t* v, std::size_t count, std::int32_t* out) {
+    const auto x = static_cast<std::int32_t>(p.xy & 0xFFFF);
+    const auto y = static_cast<std::int32_t>(p.xy >> 16);
+    const auto depth = [&](std::uint32_t offset) {
+        return sample(image, x + pixels(static_cast<std::int16_t>(offset & 0xFFFF), p.scale),
+                      y + pixels(static_cast<std::int16_t>(offset >> 16), p.scale));
+    };
+    const std::int32_t own = sample(image, x, y);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int32_t difference = depth(u[i]) - (v == nullptr ? own : depth(v[i]));
+        out[i] = std::clamp(difference, p.low, p.high) - p.low;
+    }
+}
+
 }  // namespace
 
 const Functions& portable_functions() {
-    static constexpr Functions kPortable{walk, vote, "portable"};
+    static constexpr Functions kPortable{walk, vote, probe, "portable"};
     return kPortable;
 }
 

@@ -3,53 +3,61 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
 #include <numeric>
+#include <optional>
 #include <unordered_map>
 
 #include "base/check.h"
+#include "skeleton/forest/part_labeller.h"
 #include "skeleton/forest/split_search.h"
-#include "skeleton/forest/training_block.h"
+#include "skeleton/forest/training_set.h"
+#include "skeleton/forest/tree_pruning.h"
 
 namespace kino {
 namespace {
 
 using Counts = std::vector<std::uint64_t>;
 
-/// A node that may still be split.
+/// A node that may still be split, and where its samples lie.
 struct Open {
     std::int32_t node = 0;
     std::uint64_t path = 1;
+    std::size_t first = 0, last = 0;
 };
+
+/// Of a node, once its split is known.
+struct Parted {
+    BestSplit split;
+    std::size_t middle = 0;  // first sample of the right child
+    Counts left, right;
+};
+
+// Nodes with more samples than this share out their features among the threads.
+constexpr std::size_t kSharedSamples = 30000;
 
 class TreeTrainer {
   public:
     TreeTrainer(const TrainingImages& images, const ForestTraining& training, int tree)
-        : images_(images),
-          training_(training),
-          tree_(tree),
-          labels_(images.labels().size()),
-          space_{training.features, training.thresholds, static_cast<int>(labels_),
-                 training.reach_mm, training.threshold_range_mm} {
+        : images_(images), training_(training), tree_(tree), labels_(images.labels().size()) {
         count_ = training.images_per_tree > 0 ? training.images_per_tree : images.count();
         first_ = training.images_per_tree > 0 ? count_ * tree % images.count() : 0;
     }
 
-    /// Leaves hold their own index among the leaves' distributions, which are added to `forest`.
     Result<void> grow(Forest& forest) {
+        KINO_TRY(set_.load(images_, first_, count_, draw(false), training_.threads));
         nodes_.assign(1, {});
         counts_.assign(1, Counts(labels_));
-        std::vector<Open> open{{}};
+        for (const TrainingSample& s : set_.samples()) ++counts_[0][s.label];
+        samples_ = set_.samples().size();
+        std::vector<Open> open{{0, 1, 0, set_.samples().size()}};
         for (level_ = 0; level_ < training_.depth && !open.empty(); ++level_) {
-            std::vector<Open> next;
-            const std::size_t batch = std::max<std::size_t>(
-                1, training_.histogram_bytes / SplitSearch::bytes_per_node(space_));
-            for (std::size_t at = 0; at < open.size(); at += batch) {
-                const std::size_t size = std::min(batch, open.size() - at);
-                KINO_TRY(split_batch({open.data() + at, size}, next));
-                report(at + size);
-            }
-            open = std::move(next);
+            const std::vector<Open> next = split_level(open);
+            report(open.size());
+            open = next;
         }
+        set_ = {};
+        if (training_.max_leaves > 0) prune_tree(nodes_, counts_, training_.max_leaves);
         level_ = -1;
         if (training_.leaf_pixels_per_image > 0) {
             KINO_TRY(refill_leaves());
@@ -63,102 +71,134 @@ class TreeTrainer {
     // Draws of growing and of filling differ; so do those of the trees.
     [[nodiscard]] SampleDraw draw(bool filling) const {
         const auto stream = 2 * static_cast<std::uint64_t>(tree_) + (filling ? 1 : 0);
-        if (filling) return {training_.seed, stream, training_.leaf_pixels_per_image, 0};
+        if (filling)
+            return {training_.seed, stream, training_.leaf_pixels_per_image,
+                    training_.leaf_balanced_share};
         return {training_.seed, stream, training_.pixels_per_image, training_.balanced_share};
     }
 
-    template <class PerBlock>
-    Result<void> pass(bool filling, const PerBlock& per_block) {
-        samples_ = 0;
-        TrainingBlock block;
-        for (std::int64_t at = 0; at < count_; at += training_.block_images) {
-            const auto size =
-                static_cast<int>(std::min<std::int64_t>(training_.block_images, count_ - at));
-            KINO_TRY(block.load(images_, first_ + at, size, draw(filling), training_.threads));
-            block.walk(nodes_, training_.threads);
-            for (const auto& list : block.samples()) samples_ += list.size();
-            per_block(block);
-        }
-        return {};
+    [[nodiscard]] SplitSpace space() const {
+        const bool deep = training_.deep_features > 0 && level_ >= training_.deep_level;
+        return {deep ? training_.deep_features : training_.features, training_.thresholds,
+                static_cast<int>(labels_), training_.reach_mm, training_.threshold_range_mm};
     }
 
-    Result<void> split_batch(std::span<const Open> batch, std::vector<Open>& next) {
-        std::vector<std::int32_t> slot_of(nodes_.size(), -1);
-        std::vector<SplitCandidates> candidates(batch.size());
-        parallel_for(training_.threads, batch.size(), [&](std::size_t s) {
-            candidates[s] = draw_candidates(space_, training_.seed,
-                                            static_cast<std::uint64_t>(tree_), batch[s].path);
-        });
-        for (std::size_t s = 0; s < batch.size(); ++s)
-            slot_of[static_cast<std::size_t>(batch[s].node)] = static_cast<std::int32_t>(s);
-        SplitSearch search(space_, std::move(candidates));
-        KINO_TRY(pass(false, [&](TrainingBlock& block) { count(block, slot_of, search); }));
-        std::vector<BestSplit> best(batch.size());
-        parallel_for(training_.threads, batch.size(),
-                     [&](std::size_t s) { best[s] = search.best(s); });
-        for (std::size_t s = 0; s < batch.size(); ++s) {
-            if (batch[s].node == 0) counts_[0] = search.totals(s);
-            apply(batch[s], best[s], next);
+    std::vector<Open> split_level(const std::vector<Open>& open) {
+        std::vector<Parted> parted(open.size());
+        std::vector<std::size_t> small;
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            if (open[i].last - open[i].first <= kSharedSamples)
+                small.push_back(i);
+            else
+                part(open[i], training_.threads, parted[i]);
         }
-        return {};
+        parallel_for(training_.threads, small.size(),
+                     [&](std::size_t i) { part(open[small[i]], 1, parted[small[i]]); });
+        std::vector<Open> next;
+        for (std::size_t i = 0; i < open.size(); ++i) apply(open[i], parted[i], next);
+        return next;
     }
 
-    // Threads share the work by features, so that no two write the same counts.
-    void count(TrainingBlock& block, const std::vector<std::int32_t>& slot_of,
-               SplitSearch& search) {
-        sorted_.clear();
-        for (const auto& list : block.samples())
-            for (const TrainingSample& s : list)
-                if (slot_of[static_cast<std::size_t>(s.node)] >= 0) sorted_.push_back(s);
-        std::stable_sort(sorted_.begin(), sorted_.end(),
-                         [](const auto& a, const auto& b) { return a.node < b.node; });
-        const int threads = std::min(training_.threads, training_.features);
-        parallel_for(threads, static_cast<std::size_t>(threads), [&](std::size_t t) {
+    void part(const Open& open, int threads, Parted& out) {
+        const SplitCandidates candidates =
+            draw_candidates(space(), training_.seed, static_cast<std::uint64_t>(tree_), open.path);
+        const auto features = static_cast<int>(candidates.features.size());
+        TrainingSample* const all = set_.samples().data();
+        const std::size_t stride =
+            (open.last - open.first + training_.node_samples - 1) / training_.node_samples;
+        const NodeSamples samples{all + open.first, all + open.last,
+                                  static_cast<std::ptrdiff_t>(stride)};
+        threads = std::min(threads, features);
+        std::vector<BestSplit> best(static_cast<std::size_t>(threads));
+        parallel_for(threads, best.size(), [&](std::size_t t) {
+            thread_local SplitSearch search;
             const int share = static_cast<int>(t);
-            const int first = training_.features * share / threads;
-            const int last = training_.features * (share + 1) / threads;
-            for (std::size_t at = 0; at < sorted_.size();) {
-                std::size_t end = at;
-                while (end < sorted_.size() && sorted_[end].node == sorted_[at].node) ++end;
-                const std::int32_t slot = slot_of[static_cast<std::size_t>(sorted_[at].node)];
-                search.count(static_cast<std::size_t>(slot), {sorted_.data() + at, end - at}, block,
-                             first, last);
-                at = end;
-            }
+            best[t] = search.best(candidates, static_cast<int>(labels_), samples, set_.images(),
+                                  features * share / threads, features * (share + 1) / threads);
         });
+        for (BestSplit& b : best)
+            if (b.gain_bits > out.split.gain_bits) out.split = std::move(b);
+        if (out.split.gain_bits < training_.min_gain_bits || out.split.candidate < 0) {
+            out.split.candidate = -1;
+            return;
+        }
+        out.left.assign(labels_, 0);
+        out.right.assign(labels_, 0);
+        thread_local std::vector<TrainingSample> right;
+        right.clear();
+        TrainingSample* to = all + open.first;
+        for (const TrainingSample* s = to; s < all + open.last; ++s) {
+            const std::int32_t response =
+                feature_response(set_.images()[s->image], s->xy, s->scale, out.split.feature);
+            if (response > out.split.threshold_mm) {
+                ++out.right[s->label];
+                right.push_back(*s);
+            } else {
+                ++out.left[s->label];
+                *to++ = *s;
+            }
+        }
+        out.middle = static_cast<std::size_t>(to - all);
+        std::copy(right.begin(), right.end(), to);
     }
 
-    void apply(const Open& open, const BestSplit& best, std::vector<Open>& next) {
-        if (best.gain_bits < training_.min_gain_bits || best.left.empty()) return;
+    void apply(const Open& open, const Parted& parted, std::vector<Open>& next) {
+        if (parted.split.candidate < 0) return;
         const auto child = static_cast<std::int32_t>(nodes_.size());
         ForestNode& node = nodes_[static_cast<std::size_t>(open.node)];
-        node.feature = best.feature;
-        node.threshold_mm = best.threshold_mm;
+        node.feature = parted.split.feature;
+        node.threshold_mm = parted.split.threshold_mm;
         node.child = child;
         for (int side = 0; side < 2; ++side) {
-            const Counts& counts = side == 0 ? best.left : best.right;
+            const Counts& counts = side == 0 ? parted.left : parted.right;
             nodes_.emplace_back();
             counts_.push_back(counts);
             const auto total = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
             const bool pure = std::find(counts.begin(), counts.end(), total) != counts.end();
             if (!pure && total >= training_.min_samples)
-                next.push_back({child + side, 2 * open.path + static_cast<std::uint64_t>(side)});
+                next.push_back({child + side, 2 * open.path + static_cast<std::uint64_t>(side),
+                                side == 0 ? open.first : parted.middle,
+                                side == 0 ? parted.middle : open.last});
         }
     }
 
     // A leaf that no pixel reaches keeps what it grew from.
     Result<void> refill_leaves() {
-        std::vector<Counts> filled(nodes_.size());
-        KINO_TRY(pass(true, [&](TrainingBlock& block) {
-            for (const auto& list : block.samples())
-                for (const TrainingSample& s : list) {
-                    Counts& counts = filled[static_cast<std::size_t>(s.node)];
-                    counts.resize(labels_);
-                    ++counts[s.label];
-                }
-        }));
-        for (std::size_t i = 0; i < nodes_.size(); ++i)
-            if (!filled[i].empty()) counts_[i] = std::move(filled[i]);
+        // Leaves name themselves, in the order in which breadth_first() will put them.
+        std::vector<ForestNode> named = nodes_;
+        for (std::size_t i = 0; i < named.size(); ++i)
+            if (named[i].is_leaf()) named[i].leaf = static_cast<std::int32_t>(i);
+        const auto walkable = walk_nodes(breadth_first(named, 0));
+        std::vector<std::uint32_t> filled(nodes_.size() * labels_, 0);
+        std::vector<std::optional<Error>> errors(static_cast<std::size_t>(count_));
+        std::mutex mutex;
+        samples_ = 0;
+        parallel_for(training_.threads, errors.size(), [&](std::size_t i) {
+            thread_local TrainingImage picture;
+            thread_local DrawnPixels pixels;
+            thread_local std::vector<std::int32_t> leaf;
+            const auto index = (first_ + static_cast<std::int64_t>(i)) % images_.count();
+            if (auto done = draw_pixels(images_, index, draw(true), picture, pixels); !done) {
+                errors[i] = done.error();
+                return;
+            }
+            leaf.resize(pixels.xy.size());
+            if (leaf.empty()) return;
+            forest::functions().walk(walkable.data(), pixels.body.image(),
+                                     {pixels.xy.data(), pixels.scale.data(), pixels.xy.size()},
+                                     leaf.data());
+            const std::lock_guard lock(mutex);
+            samples_ += leaf.size();
+            for (std::size_t p = 0; p < leaf.size(); ++p)
+                ++filled[static_cast<std::size_t>(leaf[p]) * labels_ + pixels.label[p]];
+        });
+        for (const auto& error : errors)
+            if (error) return tl::unexpected<Error>(*error);
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            const auto row = std::span(filled).subspan(i * labels_, labels_);
+            if (std::any_of(row.begin(), row.end(), [](std::uint32_t n) { return n > 0; }))
+                counts_[i].assign(row.begin(), row.end());
+        }
         return {};
     }
 
@@ -166,16 +206,20 @@ class TreeTrainer {
         std::unordered_map<std::string, std::int32_t> known;
         for (std::size_t d = 0; d < forest.distributions.size(); ++d)
             known.emplace(key(forest.distributions[d]), static_cast<std::int32_t>(d));
-        for (std::size_t i = 0; i < nodes_.size(); ++i) {
-            if (!nodes_[i].is_leaf()) continue;
-            const LabelDistribution row =
-                quantized_distribution(counts_[i].data(), static_cast<int>(labels_));
+        for (std::size_t i = 0; i < nodes_.size(); ++i)
+            if (nodes_[i].is_leaf()) nodes_[i].leaf = static_cast<std::int32_t>(i);
+        // What pruning cut off has no place in the tree.
+        ForestTree tree = breadth_first(nodes_, 0);
+        for (ForestNode& node : tree.nodes) {
+            if (!node.is_leaf()) continue;
+            const LabelDistribution row = quantized_distribution(
+                counts_[static_cast<std::size_t>(node.leaf)].data(), static_cast<int>(labels_));
             const auto [at, fresh] =
                 known.emplace(key(row), static_cast<std::int32_t>(forest.distributions.size()));
             if (fresh) forest.distributions.push_back(row);
-            nodes_[i].leaf = at->second;
+            node.leaf = at->second;
         }
-        forest.trees.push_back(breadth_first(nodes_, 0));
+        forest.trees.push_back(std::move(tree));
     }
 
     static std::string key(const LabelDistribution& row) { return {row.begin(), row.end()}; }
@@ -188,13 +232,12 @@ class TreeTrainer {
     const ForestTraining& training_;
     int tree_;
     std::size_t labels_;
-    SplitSpace space_;
     std::int64_t first_ = 0, count_ = 0;
     int level_ = 0;
     std::uint64_t samples_ = 0;
     std::vector<ForestNode> nodes_;
     std::vector<Counts> counts_;  // of the labels, per node
-    std::vector<TrainingSample> sorted_;
+    TrainingSet set_;
 };
 
 }  // namespace
@@ -211,7 +254,10 @@ std::string training_defect(const ForestTraining& t) {
     if (!(t.reach_mm > 0 && t.reach_mm <= 8000)) return "reach must be up to 8000 mm";
     if (!(t.threshold_range_mm >= 0 && t.threshold_range_mm <= 10000))
         return "threshold range must be up to 10000 mm";
-    if (t.block_images < 1 || t.block_images > 4096) return "block must be 1 to 4096 images";
+    if (!(t.leaf_balanced_share >= 0 && t.leaf_balanced_share <= 1))
+        return "balanced share of the leaves is not in 0..1";
+    if (t.deep_features < 0 || t.deep_features > 100000) return "deep features must be 0 to 100000";
+    if (t.node_samples < 1) return "a node needs samples to be split by";
     if (t.note.size() > 65535) return "the note is too long";
     return {};
 }

@@ -10,13 +10,13 @@
 
 namespace kino {
 
-/// Told after every pass over the pictures.
+/// Told after every level.
 struct TrainingProgress {
     int tree = 0;
-    int level = 0;                ///< -1: the last pass, which fills the leaves
-    std::size_t nodes_open = 0;   ///< of this level, those of earlier passes included
+    int level = 0;                ///< -1: the leaves have been filled
+    std::size_t nodes_open = 0;   ///< of this level
     std::size_t nodes_total = 0;  ///< of the tree, so far
-    std::uint64_t samples = 0;    ///< pixels seen in this pass
+    std::uint64_t samples = 0;    ///< pixels of the tree, or those that filled the leaves
 };
 
 struct ForestTraining {
@@ -32,8 +32,12 @@ struct ForestTraining {
     double balanced_share = 0;
     /// Pixels of each picture for the final distributions of the leaves; 0: those that grew them.
     int leaf_pixels_per_image = 0;
+    double leaf_balanced_share = 0;
 
-    int features = 200;     ///< candidates at each node
+    int features = 200;  ///< candidates at each node
+    /// Candidates from level `deep_level` on; 0: as many as above.
+    int deep_features = 0;
+    int deep_level = 10;
     int thresholds = 20;    ///< candidates for each feature, at most 64
     double reach_mm = 600;  ///< longest offset, at the body
     double threshold_range_mm = 400;
@@ -41,8 +45,10 @@ struct ForestTraining {
     std::uint32_t min_samples = 16;  ///< a node with fewer becomes a leaf
     double min_gain_bits = 1e-4;
 
-    std::size_t histogram_bytes = std::size_t{512} << 20;  ///< bound; more passes if less
-    int block_images = 16;                                 ///< pictures in memory at a time
+    /// A node's split is chosen by about so many of its samples at most, evenly picked.
+    std::size_t node_samples = 100000;
+    /// Leaves of each tree; the splits that tell least are taken back. 0: no limit.
+    std::size_t max_leaves = 0;
 
     std::string note;  ///< for the file
     std::function<void(const TrainingProgress&)> progress;
@@ -53,8 +59,8 @@ struct ForestTraining {
 
 /// Grows each tree level by level (Shotton et al. 2011, section 3.3): at every node the candidate
 /// with the largest gain of information splits it. The same pictures, settings and seed give the
-/// same forest on any number of threads. Memory: histogram_bytes, block_images pictures, and the
-/// tree itself; nothing per pixel is kept between blocks.
+/// same forest on any number of threads. Every picture is asked for once a tree, and once more if
+/// leaf_pixels_per_image is set; a tree's pictures and samples are kept meanwhile (TrainingSet).
 [[nodiscard]] Result<Forest> train_forest(const TrainingImages& images,
                                           const ForestTraining& training);
 

@@ -10,7 +10,9 @@ std::int32_t place(std::int32_t node) {
     return node == 0 ? 0 : node + 1;
 }
 
-std::vector<forest::WalkNode> walkable(const ForestTree& tree) {
+}  // namespace
+
+std::vector<forest::WalkNode> walk_nodes(const ForestTree& tree) {
     std::vector<forest::WalkNode> out(tree.nodes.size() + 1);
     for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
         const ForestNode& n = tree.nodes[i];
@@ -30,14 +32,12 @@ std::vector<forest::WalkNode> walkable(const ForestTree& tree) {
     return out;
 }
 
-}  // namespace
-
 PartLabeller::PartLabeller(const Forest& forest, const forest::Functions& functions)
     : label_count_(static_cast<int>(forest.labels.size())),
       stride_(label_count_ <= 16 ? 16 : 32),
       functions_(&functions) {
     KINO_CHECK(forest_defect(forest).empty());
-    for (const ForestTree& tree : forest.trees) trees_.push_back(walkable(tree));
+    for (const ForestTree& tree : forest.trees) trees_.push_back(walk_nodes(tree));
     for (const LabelDistribution& row : forest.distributions)
         distributions_.insert(distributions_.end(), row.begin(), row.begin() + stride_);
 }

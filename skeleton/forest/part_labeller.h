@@ -17,6 +17,9 @@ struct PartLabels {
     std::vector<std::vector<std::int32_t>> leaf;  ///< per tree: distribution index per pixel
 };
 
+/// A sound tree as the kernels walk it.
+[[nodiscard]] std::vector<forest::WalkNode> walk_nodes(const ForestTree& tree);
+
 /// A forest ready to run: trees vote with the mean of their leaves' distributions.
 class PartLabeller {
   public:

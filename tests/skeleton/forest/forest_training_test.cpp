@@ -10,6 +10,8 @@
 #include "skeleton/forest/forest_file.h"
 #include "skeleton/forest/part_labeller.h"
 #include "skeleton/forest/split_search.h"
+#include "skeleton/forest/training_set.h"
+#include "skeleton/forest/tree_pruning.h"
 
 namespace kino {
 namespace {
@@ -128,7 +130,7 @@ TEST(ForestTraining, DeeperTreesAndMoreOfThemFitBetter) {
     EXPECT_GT(deep, 0.8);
 }
 
-TEST(ForestTraining, SameSeedGivesTheSameBytesOnAnyNumberOfThreadsAndInAnyMemory) {
+TEST(ForestTraining, SameSeedGivesTheSameBytesOnAnyNumberOfThreads) {
     const Balls balls(9);
     ForestTraining training = small_training();
     training.balanced_share = 0.3;
@@ -138,28 +140,64 @@ TEST(ForestTraining, SameSeedGivesTheSameBytesOnAnyNumberOfThreadsAndInAnyMemory
     EXPECT_EQ(bytes(), once);
     training.threads = 4;
     EXPECT_EQ(bytes(), once);
-    training.block_images = 2;
-    EXPECT_EQ(bytes(), once);
-    training.histogram_bytes = 1;  // a node a pass
-    EXPECT_EQ(bytes(), once);
     training.seed = 2;
     EXPECT_NE(bytes(), once);
 }
 
-TEST(ForestTraining, KeepsToTheBoundOfItsHistograms) {
-    const Balls balls(4);
+// Big nodes share out their features among the threads; small ones go to a thread each.
+TEST(ForestTraining, BigNodesToo) {
+    const Balls balls(60);
     ForestTraining training = small_training();
     training.trees = 1;
-    const SplitSpace space{training.features, training.thresholds, 4, 300, 400};
-    training.histogram_bytes = 3 * SplitSearch::bytes_per_node(space);
-    std::map<int, std::size_t> open;
-    training.progress = [&](const TrainingProgress& p) {
-        EXPECT_LE(p.nodes_open - open[p.level], 3u);
-        open[p.level] = p.nodes_open;
-        EXPECT_EQ(p.samples, 4u * 300);
-    };
-    ASSERT_TRUE(train_forest(balls, training).has_value());
-    EXPECT_GT(open[3], 3u);
+    training.pixels_per_image = 2000;
+    std::size_t samples = 0;
+    training.progress = [&](const TrainingProgress& p) { samples = p.samples; };
+    const Forest once = train_forest(balls, training).value();
+    EXPECT_GT(samples, 60000u);
+    training.threads = 3;
+    EXPECT_EQ(train_forest(balls, training).value(), once);
+    training.node_samples = 1000;
+    const Forest fewer = train_forest(balls, training).value();
+    EXPECT_NE(fewer, once);
+    EXPECT_NEAR(accuracy(fewer, balls), accuracy(once, balls), 0.03);
+}
+
+TEST(ForestTraining, FewerCandidatesFromTheDeepLevelOn) {
+    const Balls balls(5);
+    ForestTraining training = small_training();
+    training.trees = 1;
+    const Forest all = train_forest(balls, training).value();
+    training.deep_features = 10;
+    training.deep_level = 3;
+    const Forest fewer = train_forest(balls, training).value();
+    const auto& a = all.trees[0].nodes;
+    const auto& b = fewer.trees[0].nodes;
+    for (std::size_t i = 0; i < 7; ++i) EXPECT_EQ(a[i].feature, b[i].feature) << i;
+    EXPECT_NE(all, fewer);
+}
+
+TEST(ForestTraining, LeavesAreFilledFromOtherPixelsWithEveryLabelTold) {
+    const Balls balls(10);
+    ForestTraining training = small_training();
+    training.trees = 1;
+    training.depth = 1;
+    training.leaf_pixels_per_image = 1 << 20;
+    const Forest forest = train_forest(balls, training).value();
+    // The two leaves' distributions from all pixels, counted here.
+    std::array<std::array<std::uint64_t, 4>, 2> counts{};
+    TrainingSet set;
+    ASSERT_TRUE(set.load(balls, 0, 10, {9, 9, 1 << 20, 0}, 1).has_value());
+    const ForestNode& root = forest.trees[0].nodes[0];
+    ASSERT_FALSE(root.is_leaf());
+    for (const TrainingSample& s : set.samples()) {
+        const bool right = feature_response(set.images()[s.image], s.xy, s.scale, root.feature) >
+                           root.threshold_mm;
+        ++counts[right ? 1 : 0][s.label];
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+        const auto leaf = static_cast<std::size_t>(forest.trees[0].nodes[1 + side].leaf);
+        EXPECT_EQ(forest.distributions[leaf], quantized_distribution(counts[side].data(), 4));
+    }
 }
 
 TEST(ForestTraining, TreesTakeTheirOwnPictures) {
@@ -191,19 +229,19 @@ TEST(ForestTraining, RefusesWhatCannotWork) {
     EXPECT_FALSE(train_forest(Balls(2), training).has_value());
 }
 
-TEST(TrainingBlock, DrawsWithoutReplacementAndBalances) {
+TEST(TrainingSet, DrawsWithoutReplacementAndBalances) {
     const Balls balls(1);
-    TrainingBlock block;
-    ASSERT_TRUE(block.load(balls, 0, 1, {1, 0, 400, 0}, 1).has_value());
+    TrainingSet set;
+    ASSERT_TRUE(set.load(balls, 0, 1, {1, 0, 400, 0}, 1).has_value());
     std::set<std::uint32_t> places;
-    for (const auto& s : block.samples()[0]) places.insert(s.xy);
+    for (const auto& s : set.samples()) places.insert(s.xy);
     EXPECT_EQ(places.size(), 400u);
-    ASSERT_TRUE(block.load(balls, 0, 1, {1, 0, 1 << 20, 0}, 1).has_value());
+    ASSERT_TRUE(set.load(balls, 0, 1, {1, 0, 1 << 20, 0}, 1).has_value());
     std::array<int, 4> all{};
-    for (const auto& s : block.samples()[0]) ++all[s.label];
-    ASSERT_TRUE(block.load(balls, 0, 1, {1, 0, 4000, 1.0}, 1).has_value());
+    for (const auto& s : set.samples()) ++all[s.label];
+    ASSERT_TRUE(set.load(balls, 0, 1, {1, 0, 4000, 1.0}, 1).has_value());
     std::array<int, 4> even{};
-    for (const auto& s : block.samples()[0]) ++even[s.label];
+    for (const auto& s : set.samples()) ++even[s.label];
     const int present =
         static_cast<int>(std::count_if(all.begin(), all.end(), [](int n) { return n > 0; }));
     ASSERT_GT(present, 2);
@@ -223,67 +261,96 @@ double entropy(const std::vector<double>& counts) {
 TEST(SplitSearch, GainEqualsASlowReference) {
     const Balls balls(3);
     const SplitSpace space{25, 8, 4, 400, 300};
-    const std::vector<SplitCandidates> candidates{draw_candidates(space, 1, 0, 1)};
-    TrainingBlock block;
-    ASSERT_TRUE(block.load(balls, 0, 3, {1, 0, 500, 0}, 1).has_value());
-    SplitSearch search(space, candidates);
-    for (const auto& list : block.samples()) {
-        search.count(0, list, block, 0, 10);
-        search.count(0, list, block, 10, 25);
-    }
+    const SplitCandidates candidates = draw_candidates(space, 1, 0, 1);
+    TrainingSet set;
+    ASSERT_TRUE(set.load(balls, 0, 3, {1, 0, 500, 0}, 1).has_value());
+    const NodeSamples node{set.samples().data(), set.samples().data() + set.samples().size(), 1};
     double best_gain = 0;
     ForestFeature best_feature;
     int best_threshold = 0;
     for (std::size_t f = 0; f < 25; ++f)
         for (std::size_t t = 0; t < 8; ++t) {
-            const int threshold = candidates[0].thresholds_mm[f * 8 + t];
+            const int threshold = candidates.thresholds_mm[t];
             std::vector<double> left(4), right(4), both(4);
             double n = 0, n_left = 0;
-            for (const auto& list : block.samples())
-                for (const TrainingSample& s : list) {
-                    const bool goes_right = feature_response(block.image(s.image), s.xy, s.scale,
-                                                             candidates[0].features[f]) > threshold;
-                    ++(goes_right ? right : left)[s.label];
-                    ++both[s.label];
-                    ++n;
-                    n_left += goes_right ? 0 : 1;
-                }
+            for (const TrainingSample& s : set.samples()) {
+                const bool goes_right = feature_response(set.images()[s.image], s.xy, s.scale,
+                                                         candidates.features[f]) > threshold;
+                ++(goes_right ? right : left)[s.label];
+                ++both[s.label];
+                ++n;
+                n_left += goes_right ? 0 : 1;
+            }
             const double gain =
                 entropy(both) - n_left / n * entropy(left) - (n - n_left) / n * entropy(right);
             if (gain <= best_gain + 1e-12) continue;
             best_gain = gain;
-            best_feature = candidates[0].features[f];
+            best_feature = candidates.features[f];
             best_threshold = threshold;
         }
-    const BestSplit best = search.best(0);
-    EXPECT_NEAR(best.gain_bits, best_gain, 1e-10);
-    EXPECT_EQ(best.feature, best_feature);
-    EXPECT_EQ(best.threshold_mm, best_threshold);
-    EXPECT_GT(best_gain, 0.05);
-    std::vector<std::uint64_t> sum = best.left;
-    for (std::size_t l = 0; l < 4; ++l) sum[l] += best.right[l];
-    EXPECT_EQ(sum, search.totals(0));
+    ASSERT_GT(best_gain, 0.05);
+    const std::vector<const forest::Functions*> all = {&forest::portable_functions(),
+                                                       &forest::functions()};
+    for (const auto* functions : all) {
+        SplitSearch search(*functions);
+        const BestSplit best = search.best(candidates, 4, node, set.images(), 0, 25);
+        EXPECT_NEAR(best.gain_bits, best_gain, 1e-10);
+        EXPECT_EQ(best.feature, best_feature);
+        EXPECT_EQ(best.threshold_mm, best_threshold);
+        std::vector<std::uint64_t> sum = best.left, totals(4);
+        for (std::size_t l = 0; l < 4; ++l) sum[l] += best.right[l];
+        for (const TrainingSample& s : set.samples()) ++totals[s.label];
+        EXPECT_EQ(sum, totals);
+        // In two parts, the better of them is the same.
+        const BestSplit front = search.best(candidates, 4, node, set.images(), 0, 9);
+        const BestSplit back = search.best(candidates, 4, node, set.images(), 9, 25);
+        EXPECT_EQ(std::max(front.gain_bits, back.gain_bits), best.gain_bits);
+        EXPECT_EQ((back.gain_bits > front.gain_bits ? back : front).feature, best.feature);
+    }
 }
 
 // Thresholds of a few mm, so that many responses lie on them.
 TEST(SplitSearch, CountsTheSidesThatTheWalkTakes) {
     const Balls balls(3);
-    TrainingBlock block;
-    ASSERT_TRUE(block.load(balls, 0, 3, {1, 0, 500, 0}, 1).has_value());
+    TrainingSet set;
+    ASSERT_TRUE(set.load(balls, 0, 3, {1, 0, 500, 0}, 1).has_value());
+    const NodeSamples node{set.samples().data(), set.samples().data() + set.samples().size(), 1};
+    SplitSearch search;
     for (std::uint64_t path = 1; path < 20; ++path) {
         const SplitSpace space{5, 4, 4, 100, 6};
-        SplitSearch search(space, {draw_candidates(space, 1, 0, path)});
-        for (const auto& list : block.samples()) search.count(0, list, block, 0, 5);
-        const BestSplit best = search.best(0);
-        std::vector<ForestNode> nodes(3);
-        nodes[0] = {best.feature, best.threshold_mm, 1, -1};
-        block.walk(nodes, 1);
+        const BestSplit best =
+            search.best(draw_candidates(space, 1, 0, path), 4, node, set.images(), 0, 5);
+        ASSERT_GE(best.candidate, 0);
+        ForestTree tree;
+        tree.nodes = {{best.feature, best.threshold_mm, 1, -1}, {{}, 0, -1, 0}, {{}, 0, -1, 1}};
+        const auto walkable = walk_nodes(tree);
         std::vector<std::uint64_t> left(4), right(4);
-        for (const auto& list : block.samples())
-            for (const TrainingSample& s : list) ++(s.node == 1 ? left : right)[s.label];
+        for (const TrainingSample& s : set.samples()) {
+            std::int32_t leaf = -1;
+            forest::functions().walk(walkable.data(), set.images()[s.image], {&s.xy, &s.scale, 1},
+                                     &leaf);
+            ++(leaf == 0 ? left : right)[s.label];
+        }
         EXPECT_EQ(left, best.left);
         EXPECT_EQ(right, best.right);
     }
+}
+
+TEST(SplitSearch, StrideTakesEveryNthSample) {
+    const Balls balls(2);
+    TrainingSet set;
+    ASSERT_TRUE(set.load(balls, 0, 2, {1, 0, 500, 0}, 1).has_value());
+    const SplitCandidates candidates = draw_candidates({30, 9, 4, 300, 300}, 1, 0, 1);
+    std::vector<TrainingSample> third;
+    for (std::size_t i = 0; i < set.samples().size(); i += 3) third.push_back(set.samples()[i]);
+    const TrainingSample* all = set.samples().data();
+    SplitSearch search;
+    const BestSplit a =
+        search.best(candidates, 4, {all, all + set.samples().size(), 3}, set.images(), 0, 30);
+    const BestSplit b = search.best(candidates, 4, {third.data(), third.data() + third.size(), 1},
+                                    set.images(), 0, 30);
+    EXPECT_EQ(a.gain_bits, b.gain_bits);
+    EXPECT_EQ(a.left, b.left);
 }
 
 TEST(SplitSearch, CandidatesDependOnSeedTreeAndPathOnly) {
@@ -295,23 +362,61 @@ TEST(SplitSearch, CandidatesDependOnSeedTreeAndPathOnly) {
     EXPECT_NE(draw_candidates(space, 1, 1, 5).features, a.features);
     EXPECT_NE(draw_candidates(space, 1, 0, 6).features, a.features);
     for (const ForestFeature& f : a.features) EXPECT_LE(std::hypot(f.u[0], f.u[1]), 2401);
+    EXPECT_EQ(a.thresholds_mm.size(), 20u);
+    EXPECT_TRUE(std::is_sorted(a.thresholds_mm.begin(), a.thresholds_mm.end()));
     for (std::size_t f = 0; f < 50; ++f)
-        EXPECT_TRUE(
-            std::is_sorted(a.thresholds_mm.begin() + static_cast<std::ptrdiff_t>(20 * f),
-                           a.thresholds_mm.begin() + static_cast<std::ptrdiff_t>(20 * f + 20)));
+        EXPECT_EQ(a.features[f].v == (std::array<std::int16_t, 2>{}), f < 25) << f;
+}
+
+// Two equal splits below one that tells more: the cheapest go first, and a leaf takes the place of
+// a whole subtree only when its parts are gone.
+TEST(TreePruning, TakesBackTheSplitsThatTellLeast) {
+    using Counts = std::vector<std::uint64_t>;
+    std::vector<ForestNode> nodes(7);
+    nodes[0].child = 1;
+    nodes[1].child = 3;
+    nodes[2].child = 5;
+    const std::vector<Counts> counts = {{50, 50}, {40, 10}, {10, 40}, {25, 0},
+                                        {15, 10}, {6, 19},  {4, 21}};
+    const auto leaves = [&](std::size_t most) {
+        std::vector<ForestNode> pruned = nodes;
+        prune_tree(pruned, counts, most);
+        std::vector<int> splits;
+        for (std::size_t i = 0; i < 7; ++i)
+            if (!pruned[i].is_leaf()) splits.push_back(static_cast<int>(i));
+        return splits;
+    };
+    EXPECT_EQ(leaves(4), (std::vector<int>{0, 1, 2}));
+    EXPECT_EQ(leaves(3), (std::vector<int>{0, 1}));
+    EXPECT_EQ(leaves(2), (std::vector<int>{0}));
+    EXPECT_EQ(leaves(1), (std::vector<int>{}));
+}
+
+TEST(TreePruning, AForestKeepsToItsLeavesAndMostOfItsAccuracy) {
+    const Balls balls(10);
+    ForestTraining training = small_training();
+    training.depth = 12;
+    training.trees = 1;
+    const Forest whole = train_forest(balls, training).value();
+    const auto leaves = [](const Forest& forest) { return (forest.trees[0].nodes.size() + 1) / 2; };
+    training.max_leaves = leaves(whole) / 2;
+    const Forest half = train_forest(balls, training).value();
+    EXPECT_EQ(leaves(half), training.max_leaves);
+    EXPECT_GT(accuracy(half, balls), accuracy(whole, balls) - 0.1);
 }
 
 // What the trainer walks and what the labeller walks must be the same thing.
-TEST(TrainingBlock, WalksAsTheLabellerDoes) {
+TEST(TrainingSet, RespondsAsTheLabellerDoes) {
     const Balls balls(3);
     const Forest forest = test::random_forest(21, 4, 1, 8);
-    TrainingBlock block;
-    ASSERT_TRUE(block.load(balls, 0, 3, {1, 0, 1 << 20, 0}, 2).has_value());
-    block.walk(forest.trees[0].nodes, 2);
+    const auto& nodes = forest.trees[0].nodes;
+    TrainingSet set;
+    ASSERT_TRUE(set.load(balls, 0, 3, {1, 0, 1 << 20, 0}, 2).has_value());
     const PartLabeller labeller(forest);
-    for (std::size_t i = 0; i < 3; ++i) {
+    std::size_t at = 0;
+    for (std::uint32_t i = 0; i < 3; ++i) {
         TrainingImage image;
-        ASSERT_TRUE(balls.load(static_cast<std::int64_t>(i), image).has_value());
+        ASSERT_TRUE(balls.load(i, image).has_value());
         Image<std::uint8_t> mask(80, 60);
         for (std::size_t p = 0; p < mask.size(); ++p)
             mask.pixels()[p] = image.label.pixels()[p] == kNotBody ? 0 : 1;
@@ -319,12 +424,19 @@ TEST(TrainingBlock, WalksAsTheLabellerDoes) {
         body.set(std::as_const(image.depth_mm).view(), std::as_const(mask).view(), 1, 80);
         PartLabels labels;
         labeller.label(body, labels);
-        ASSERT_EQ(labels.label.size(), block.samples()[i].size());
-        for (std::size_t p = 0; p < labels.label.size(); ++p)
-            ASSERT_EQ(
-                labels.leaf[0][p],
-                forest.trees[0].nodes[static_cast<std::size_t>(block.samples()[i][p].node)].leaf);
+        for (std::size_t p = 0; p < labels.label.size(); ++p, ++at) {
+            const TrainingSample& s = set.samples()[at];
+            ASSERT_EQ(s.image, i);
+            std::size_t node = 0;
+            while (!nodes[node].is_leaf()) {
+                const bool right = feature_response(set.images()[i], s.xy, s.scale,
+                                                    nodes[node].feature) > nodes[node].threshold_mm;
+                node = static_cast<std::size_t>(nodes[node].child) + (right ? 1 : 0);
+            }
+            ASSERT_EQ(labels.leaf[0][p], nodes[node].leaf);
+        }
     }
+    EXPECT_EQ(at, set.samples().size());
 }
 
 }  // namespace

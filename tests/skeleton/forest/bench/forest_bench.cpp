@@ -129,6 +129,7 @@ Result<void> train(int argc, char** argv) {
     training.features = argc > 4 ? std::stoi(argv[4]) : 100;
     training.depth = argc > 5 ? std::stoi(argv[5]) : 12;
     training.trees = argc > 6 ? std::stoi(argv[6]) : 1;
+    training.pixels_per_image = argc > 7 ? std::stoi(argv[7]) : 1000;
     training.threads = 1;
     double last = seconds();
     training.progress = [&](const TrainingProgress& p) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "base/error.h"
@@ -20,11 +21,10 @@ void parallel_for(int threads, std::size_t count, const std::function<void(std::
 
 /// One pixel that has been drawn.
 struct TrainingSample {
-    std::uint32_t xy = 0;  ///< in the padded picture of its body
+    std::uint32_t xy = 0;     ///< in the padded picture of its body
+    std::uint32_t image = 0;  ///< of the set
     std::int16_t scale = 0;
     std::uint8_t label = 0;
-    std::uint16_t image = 0;  ///< of the block
-    std::int32_t node = 0;    ///< of the growing tree, where it has got to
 };
 
 /// How many pixels to draw from each picture, and how.
@@ -35,26 +35,35 @@ struct SampleDraw {
     double balanced_share = 0;
 };
 
-/// A few pictures and the pixels drawn from them.
-class TrainingBlock {
+/// Pictures and the pixels drawn from them, all in memory: about 2 bytes for each pixel of the
+/// bodies' bounding boxes and 12 for each sample.
+class TrainingSet {
   public:
     /// Pictures [first, first + count) modulo the number there is. Samples come by picture and by
     /// rows, those drawn for balance after the others of their picture.
-    [[nodiscard]] Result<void> load(const TrainingImages& images, std::int64_t first, int count,
-                                    const SampleDraw& draw, int threads);
+    [[nodiscard]] Result<void> load(const TrainingImages& images, std::int64_t first,
+                                    std::int64_t count, const SampleDraw& draw, int threads);
 
-    /// Sets every sample's node by walking down from node 0.
-    void walk(const std::vector<ForestNode>& nodes, int threads);
-
-    [[nodiscard]] std::vector<std::vector<TrainingSample>>& samples() { return samples_; }
-    [[nodiscard]] const forest::WalkImage& image(std::size_t i) const { return walk_images_[i]; }
+    [[nodiscard]] std::vector<TrainingSample>& samples() { return samples_; }
+    [[nodiscard]] std::span<const forest::WalkImage> images() const { return walk_images_; }
 
   private:
-    std::vector<TrainingImage> pictures_;
-    std::vector<Image<std::uint8_t>> masks_;
-    std::vector<BodyDepth> bodies_;
+    std::vector<std::vector<std::uint16_t>> depth_;
     std::vector<forest::WalkImage> walk_images_;
-    std::vector<std::vector<TrainingSample>> samples_;
+    std::vector<TrainingSample> samples_;
 };
+
+/// Drawn pixels of one picture, ready to walk.
+struct DrawnPixels {
+    BodyDepth body;
+    std::vector<std::uint32_t> xy;
+    std::vector<std::int16_t> scale;
+    std::vector<std::uint8_t> label;
+};
+
+/// Draws from picture `index`; reuses the memory of `picture` and `out`.
+[[nodiscard]] Result<void> draw_pixels(const TrainingImages& images, std::int64_t index,
+                                       const SampleDraw& draw, TrainingImage& picture,
+                                       DrawnPixels& out);
 
 }  // namespace kino
