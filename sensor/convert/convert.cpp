@@ -92,7 +92,8 @@ class Conversion {
         for (std::int64_t i = bounds_.first; i < bounds_.end; ++i) {
             auto set = source_.next(0);
             for (const Event& event : source_.take_events()) {
-                if (event.kind == EventKind::lost || event.kind == EventKind::back) {
+                if (event.kind == EventKind::lost || event.kind == EventKind::back ||
+                    event.kind == EventKind::gesture) {
                     sink_.put_event(event);
                 }
             }
@@ -163,6 +164,9 @@ class Conversion {
     void put_event(const SessionEvent& event) {
         if (event.kind == "lost") sink_.put_event({EventKind::lost, event.time, event.text});
         if (event.kind == "back") sink_.put_event({EventKind::back, event.time, event.text});
+        if (event.kind == "gesture") {
+            sink_.put_event({EventKind::gesture, event.time, event.text, event.detail});
+        }
     }
 
     void leave_out(const Error& error) {

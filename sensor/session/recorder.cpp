@@ -117,7 +117,10 @@ class ThreadedRecorder final : public Recorder {
     }
 
     void put_event(const Event& event) override {
-        push_small({.event = {event_kind_name(event.kind), event.time, event.text}});
+        push_small({.event = {.kind = event_kind_name(event.kind),
+                              .time = event.time,
+                              .text = event.text,
+                              .detail = event.detail}});
     }
 
     RecorderStatus status() const override {
@@ -197,8 +200,13 @@ class ThreadedRecorder final : public Recorder {
                 return;
             }
         }
-        drops_.push_back({"dropped", weight.time, "the disk or the processor was too slow", id, 1,
-                          weight.sequence, weight.sequence});
+        drops_.push_back({.kind = "dropped",
+                          .time = weight.time,
+                          .text = "the disk or the processor was too slow",
+                          .stream = id,
+                          .count = 1,
+                          .first_sequence = weight.sequence,
+                          .last_sequence = weight.sequence});
     }
 
     void run() {

@@ -80,6 +80,9 @@ class SessionSource final : public Source, public Timeline {
                 recorded_.push_back({EventKind::lost, event.time, event.text});
             if (event.kind == "back")
                 recorded_.push_back({EventKind::back, event.time, event.text});
+            if (event.kind == "gesture") {
+                recorded_.push_back({EventKind::gesture, event.time, event.text, event.detail});
+            }
         }
         std::stable_sort(recorded_.begin(), recorded_.end(),
                          [](const Event& a, const Event& b) { return a.time < b.time; });

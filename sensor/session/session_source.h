@@ -9,8 +9,8 @@ namespace kino {
 
 /// Plays a session: frame i is the i-th depth frame (infrared or colour where there is no depth)
 /// by host time, the others beside it as pair_in_time() says. Frames keep their headers as they
-/// were recorded. One device: the one of the leading stream. Lost and back come again as events
-/// when playing passes them. Fails where there is no frame to lead.
+/// were recorded. One device: the one of the leading stream. Lost, back and gestures come again as
+/// events when playing passes them. Fails where there is no frame to lead.
 [[nodiscard]] Result<std::unique_ptr<Source>> make_session_source(
     std::unique_ptr<SessionReader> reader, const std::string& uri);
 

@@ -37,6 +37,15 @@ Result<std::int64_t> integer(const JsonCursor& object, const char* key) {
     return member.integer(Limits::min(), Limits::max());
 }
 
+/// The one form in which details are kept; empty for anything but an object of plain values.
+std::string detail_text(const json& value) {
+    if (!value.is_object()) return {};
+    for (const json& member : value) {
+        if (member.is_structured()) return {};
+    }
+    return value.dump(-1, ' ', true, json::error_handler_t::replace);
+}
+
 constexpr std::array<const char*, 3> kStates = {"lost", "inferred", "tracked"};
 
 Result<JointPosition> joint_of(const JsonCursor& cursor, const json& value) {
@@ -105,6 +114,11 @@ std::string event_to_text(const SessionEvent& event) {
             R"(,"stream":"{}","device":{},"count":{},"first_sequence":{},"last_sequence":{})",
             track_name(event.stream->kind), event.stream->device, event.count, event.first_sequence,
             event.last_sequence);
+    }
+    if (!event.detail.empty()) {
+        const auto read = parse_json(event.detail, "detail");
+        const std::string detail = read ? detail_text(*read) : std::string();
+        if (!detail.empty()) text += fmt::format(R"(,"detail":{})", detail);
     }
     return text + "}";
 }
@@ -194,6 +208,7 @@ Result<SessionEvent> event_from_text(std::string_view text, const std::string& w
         KINO_ASSIGN(event.first_sequence, integer(object, "first_sequence"));
         KINO_ASSIGN(event.last_sequence, integer(object, "last_sequence"));
     }
+    if (object.find("detail")) event.detail = detail_text(value["detail"]);
     return event;
 }
 

@@ -13,11 +13,13 @@ namespace kino {
 
 /// One line of a session's event track.
 struct SessionEvent {
-    /// "started", "lost", "back", "ended" as the source said; "dropped": the recorder's queue was
-    /// full; "refused": frames that could not be written as they were.
+    /// "started", "lost", "back", "ended" as the source said; "gesture": of a person; "dropped":
+    /// the recorder's queue was full; "refused": frames that could not be written as they were.
     std::string kind;
     TimeNs time = 0;  ///< host time
     std::string text;
+    /// A JSON object whose values are no lists and no objects, ASCII, keys in order; or empty.
+    std::string detail;
     std::optional<StreamId> stream;  ///< for "dropped" and "refused"
     std::int64_t count = 0;          ///< frames, for "dropped" and "refused"
     std::int64_t first_sequence = 0;
@@ -36,6 +38,7 @@ struct SessionPose {
 [[nodiscard]] std::string motion_to_text(const MotionFrame& frame);
 [[nodiscard]] std::string bodies_to_text(const BodyFrame& frame);
 [[nodiscard]] std::string pose_to_text(const SessionPose& pose);
+/// A detail that is not what SessionEvent says is left out.
 [[nodiscard]] std::string event_to_text(const SessionEvent& event);
 
 /// Keys that are not known are passed over.

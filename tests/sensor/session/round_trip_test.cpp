@@ -133,15 +133,21 @@ TEST(RoundTrip, EventsAndPosesKeepTheirWords) {
                          {}, 0);
     const SessionEvent lost{.kind = "lost", .time = 123, .text = "unplugged: \"\xC3\xBC\"\n"};
     const SessionEvent bad{.kind = "back", .time = 456, .text = "not \xFF UTF-8"};
+    const SessionEvent gesture{.kind = "gesture",
+                               .time = 457,
+                               .text = "wave",
+                               .detail = R"({"body":2,"gesture":"wave","value":-0.0,"x":0.1})"};
     const SessionPose pose{98'765'432'101'251,
                            {glm::dquat(0.6, 0, 0.8, 0), {1.0 / 3, -0.0, 1e-300}}};
     ASSERT_TRUE(writer.put_event(lost, 1).has_value());
     ASSERT_TRUE(writer.put_pose(pose, 1).has_value());
     ASSERT_TRUE(test::write_all(writer, frames_between(0, 2)).has_value());
     ASSERT_TRUE(writer.put_event(bad, 2).has_value());
+    ASSERT_TRUE(writer.put_event(gesture, 2).has_value());
     ASSERT_TRUE(writer.finish(3).has_value());
     const auto reader = reader_of(log.content);
-    ASSERT_EQ(reader->events().size(), 2U);
+    ASSERT_EQ(reader->events().size(), 3U);
+    EXPECT_EQ(reader->events()[2], gesture);
     EXPECT_EQ(reader->events()[0], lost);
     EXPECT_EQ(reader->events()[1].text, "not \xEF\xBF\xBD UTF-8");
     ASSERT_EQ(reader->poses().size(), 1U);
@@ -153,6 +159,27 @@ TEST(RoundTrip, EventsAndPosesKeepTheirWords) {
     ASSERT_TRUE(set && *set);
     EXPECT_EQ((*set)->pose_origin, PoseOrigin::trajectory);
     EXPECT_EQ((*set)->world_from_depth, pose.world_from_depth);
+}
+
+TEST(RoundTrip, OnlyPlainDetailsAreKept) {
+    const auto kept = [](const std::string& detail) {
+        const auto read = event_from_text(
+            event_to_text({.kind = "gesture", .time = 1, .text = "t", .detail = detail}), "x");
+        EXPECT_TRUE(read.has_value());
+        return read ? read->detail : "?";
+    };
+    EXPECT_EQ(kept(R"({"b": 1, "a": "\u00fc"})"), "{\"a\":\"\\u00fc\",\"b\":1}");
+    for (const char* wrong : {"[1]", "3", "{", R"({"a": [1]})", R"({"a": {}})", "{} {}"}) {
+        EXPECT_EQ(kept(wrong), "") << wrong;
+    }
+    // Of a later version: the event stays.
+    const auto later = event_from_text(
+        R"({"time_ns": 5, "kind": "gesture", "text": "t", "detail": {"list": [1]}})", "x");
+    ASSERT_TRUE(later.has_value());
+    EXPECT_EQ(*later, (SessionEvent{.kind = "gesture", .time = 5, .text = "t"}));
+    // Nothing can be so deep that it exhausts the stack.
+    const std::string deep(200'000, '[');
+    EXPECT_EQ(kept("{\"a\":" + deep + std::string(deep.size(), ']') + "}"), "");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <random>
 #include <string>
 
+#include "logged_file.h"
 #include "sensor/session/crc32.h"
 #include "session_frames.h"
 #include "session_target.h"
@@ -72,7 +73,19 @@ TEST(SessionMutations, AnyBytesAreSafe) {
          {SessionCodec::ffv1, SessionCodec::fast, SessionCodec::rvl, SessionCodec::raw}) {
         RecorderOptions options;
         options.codec = codec;
-        const Buffer seed = test::session_of(frames, options, style);
+        test::FileLog log;
+        SessionWriter writer(std::make_unique<test::LoggedFile>(log), test::source_of(style),
+                             test::rig_of(style), options, 0);
+        ASSERT_TRUE(test::write_all(writer, frames).has_value());
+        ASSERT_TRUE(writer
+                        .put_event({.kind = "gesture",
+                                    .time = 98'765'432'101'251,
+                                    .text = "wave",
+                                    .detail = R"({"body":1,"gesture":"wave","phase":"once"})"},
+                                   0)
+                        .has_value());
+        ASSERT_TRUE(writer.finish(0).has_value());
+        const Buffer seed = log.content;
         fuzz::session(seed);
         // How tests/data/fuzz/session was made.
         if (const char* folder = std::getenv("KINO_WRITE_SEEDS")) {

@@ -146,5 +146,32 @@ TEST(SessionTimeline, LostAndBackComeAgainWhenTheyArePassed) {
     EXPECT_EQ(events[0].text, "gone");
 }
 
+TEST(SessionTimeline, GesturesComeAgainWithTheirFrame) {
+    test::FileLog log;
+    SessionWriter writer(std::make_unique<test::LoggedFile>(log), test::source_of(), test::rig_of(),
+                         {}, 0);
+    ASSERT_TRUE(test::write_all(writer, frames_between(0, 4)).has_value());
+    const auto source_before = source_over(test::session_of(frames_between(0, 4)));
+    TimeNs third = 0;
+    for (int i = 0; i < 3; ++i) third = (*source_before->next(0))->time;
+    const std::string detail = R"({"body":1,"gesture":"push"})";
+    ASSERT_TRUE(
+        writer.put_event({.kind = "gesture", .time = third, .text = "push", .detail = detail}, 0)
+            .has_value());
+    ASSERT_TRUE(writer.finish(0).has_value());
+    const auto source = source_over(log.content);
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(source->next(0).has_value());
+    EXPECT_EQ(source->take_events().size(), 1U);
+    for (int round = 0; round < 2; ++round) {  // after a jump back, too
+        ASSERT_TRUE(source->timeline()->seek(2).has_value());
+        ASSERT_TRUE(source->next(0).has_value());
+        const auto events = source->take_events();
+        ASSERT_EQ(events.size(), 1U);
+        EXPECT_EQ(events[0].kind, EventKind::gesture);
+        EXPECT_EQ(events[0].time, third);
+        EXPECT_EQ(events[0].detail, detail);
+    }
+}
+
 }  // namespace
 }  // namespace kino
