@@ -36,6 +36,7 @@ struct ActorTake {
     bool noise = true;
     int width = 320, height = 240;
     std::optional<double> distance_m;  ///< of the first actor at the start
+    double lead_in_s = 0;              ///< so long the empty room is shown first
 };
 
 class ActorSequence {

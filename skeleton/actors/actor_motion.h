@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "skeleton/actors/actor_pose.h"
+
+namespace kino {
+
+/// A motion without a body, 30 poses a second, starting at about the world's origin and facing
+/// about +z.
+class ActorMotion {
+  public:
+    virtual ~ActorMotion() = default;
+    [[nodiscard]] virtual int frames() const = 0;
+    [[nodiscard]] virtual ActorPose pose(int frame) const = 0;
+    [[nodiscard]] virtual bool seated() const { return false; }
+};
+constexpr double kActorRateHz = 30;
+
+/// One of actor_motions(), or "log:FILE". `seed` decides what the name leaves open.
+[[nodiscard]] Result<std::shared_ptr<const ActorMotion>> make_actor_motion(const std::string& name,
+                                                                           std::uint64_t seed);
+
+}  // namespace kino
