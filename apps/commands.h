@@ -20,5 +20,7 @@ using Command = std::function<int()>;
 [[nodiscard]] Command add_compare(CLI::App& parent);
 /// Hands its arguments to the program kinoscope-bench beside this one.
 [[nodiscard]] Command add_bench(CLI::App& parent);
+/// Likewise kinoscope-train.
+[[nodiscard]] Command add_train(CLI::App& parent);
 
 }  // namespace kino

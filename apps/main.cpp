@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
     app.footer(kExitCodesText);
     const std::vector<Command> commands = {add_live(app),    add_replay(app), add_record(app),
                                            add_convert(app), add_repair(app), add_devices(app),
-                                           add_compare(app), add_bench(app)};
+                                           add_compare(app), add_bench(app),  add_train(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <cstdlib>
 
 #include "base/check.h"
 #include "sensor/file_bytes.h"
@@ -126,6 +128,39 @@ Result<Forest> read_pcl_forest(std::span<const std::filesystem::path> paths) {
         trees.push_back(std::move(tree));
     }
     return pcl_forest(std::move(trees));
+}
+
+void settle_pcl_ties(const BodyDepth& body, PartLabels& labels) {
+    const forest::WalkImage image = body.image();
+    const auto place = [&](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(image.pitch) +
+               static_cast<std::size_t>(x);
+    };
+    const forest::WalkPixels pixels = body.pixels();
+    std::vector<std::int32_t> listed(place(0, image.max_y + 1), -1);
+    for (std::size_t i = 0; i < pixels.count; ++i)
+        listed[place(static_cast<int>(pixels.xy[i] & 0xFFFF),
+                     static_cast<int>(pixels.xy[i] >> 16))] = static_cast<std::int32_t>(i);
+    for (std::size_t i = 0; i < pixels.count; ++i) {
+        std::array<int, kPclPartCount> votes{};
+        const auto add = [&](std::size_t pixel) {
+            for (const auto& leaf : labels.leaf) ++votes.at(static_cast<std::size_t>(leaf[pixel]));
+        };
+        add(i);
+        const int most = *std::max_element(votes.begin(), votes.end());
+        if (std::count(votes.begin(), votes.end(), most) == 1) continue;
+        const int x = static_cast<int>(pixels.xy[i] & 0xFFFF);
+        const int y = static_cast<int>(pixels.xy[i] >> 16);
+        const int own = image.depth[place(x, y)];
+        for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx) {
+                const std::size_t at = place(x + dx, y + dy);
+                if (listed[at] < 0 || std::abs(image.depth[at] - own) >= 50) continue;
+                add(static_cast<std::size_t>(listed[at]));
+            }
+        const auto best = std::max_element(votes.begin(), votes.end());
+        labels.label[i] = static_cast<std::uint8_t>(best - votes.begin());
+    }
 }
 
 }  // namespace kino

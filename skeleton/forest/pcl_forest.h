@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "skeleton/forest/forest.h"
+#include "skeleton/forest/part_labeller.h"
 
 namespace kino {
 
@@ -52,6 +53,11 @@ constexpr double kPclFocalPx = 1000;
 
 /// The trees of unpacked files as a forest whose leaves vote for one label each.
 [[nodiscard]] Result<Forest> read_pcl_forest(std::span<const std::filesystem::path> trees);
+
+/// Where two labels have equally many trees, PCL counts the trees of the pixels around (3x3, within
+/// 50 mm) as well and takes the lowest of the most frequent; so does this. `labels` are a PCL
+/// forest's for `body`, all of whose pixels must be listed. Allocates.
+void settle_pcl_ties(const BodyDepth& body, PartLabels& labels);
 
 /// A forest of trees whose leaf indices are PclPart values.
 [[nodiscard]] Forest pcl_forest(std::vector<ForestTree> trees);
