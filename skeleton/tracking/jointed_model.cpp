@@ -10,13 +10,14 @@ namespace {
 using glm::mat3;
 using glm::vec3;
 
-// Sizes of a 1.75 m person, metres, in the frames of pelvis and chest (left, up, forward).
-constexpr float kSpineUp = 0.13f, kChestUp = 0.34f, kChestBack = 0.01f;
-constexpr float kShoulderOut = 0.178f, kShoulderDown = 0.035f, kShoulderBack = 0.005f;
-constexpr float kHipOut = 0.092f, kHipDown = 0.05f;
-constexpr float kNeck = 0.19f, kSkullUp = 0.012f;
-constexpr std::array<float, 6> kLimb = {0.285f, 0.250f, 0.085f, 0.425f, 0.410f, 0.139f};
-constexpr float kFingers = 1.9f;  // tip of the hand, in lengths of the hand
+// Sizes of an average person, metres, in the frames of pelvis and chest (left, up, forward).
+constexpr float kSpineUp = 0.1285f, kSpineForward = 0.008f, kChestUp = 0.3305f, kChestBack = 0.020f;
+constexpr float kShoulderOut = 0.1656f, kShoulderDown = 0.035f, kShoulderForward = 0.005f;
+constexpr float kHipOut = 0.1107f, kHipDown = 0.050f, kHipBack = 0.010f;
+constexpr float kNeck = 0.194f, kSkullUp = -0.004f, kSkullForward = 0.018f;
+constexpr std::array<float, 6> kLimb = {0.226f, 0.2245f, 0.090f, 0.420f, 0.3805f, 0.145f};
+constexpr float kTrunkOut = 0.052f, kWaistOut = 0.043f, kBottomOut = 0.057f;  // of the flesh
+constexpr float kFingers = 1.7f;  // tip of the hand, in lengths of the hand
 constexpr float kToes = 1.15f, kHeel = -0.2f;
 
 constexpr std::array<BoneShape, kBoneCount> kBones = [] {
@@ -25,25 +26,25 @@ constexpr std::array<BoneShape, kBoneCount> kBones = [] {
     };
     const auto node = [](int n, int side) { return static_cast<std::uint8_t>(n + side); };
     std::array<BoneShape, kBoneCount> bones{};
-    bones[0] = {kHeadNode, kHeadNode, Girth::head, 0.095f, 0.095f};
-    bones[1] = {joint(Joint::shoulder_center), joint(Joint::head), Girth::head, 0.058f, 0.055f};
+    bones[0] = {kHeadNode, kHeadNode, Girth::head, 0.098f, 0.098f};
+    bones[1] = {joint(Joint::shoulder_center), joint(Joint::head), Girth::head, 0.064f, 0.058f};
     for (int s = 0; s < 2; ++s) {
         bones[static_cast<std::size_t>(2 + 2 * s)] = {
-            node(kChestTopNode, s), node(kChestLowNode, s), Girth::chest, 0.100f, 0.112f};
+            node(kChestTopNode, s), node(kChestLowNode, s), Girth::chest, 0.090f, 0.110f};
         bones[static_cast<std::size_t>(3 + 2 * s)] = {
-            node(kBellyTopNode, s), node(kBellyLowNode, s), Girth::belly, 0.112f, 0.115f};
+            node(kBellyTopNode, s), node(kBellyLowNode, s), Girth::belly, 0.110f, 0.120f};
         const auto b = static_cast<std::size_t>(6 + 3 * s);
         bones[b] = {joint(Joint::shoulder_left, s), joint(Joint::elbow_left, s), Girth::upper_arm,
-                    0.054f, 0.042f};
+                    0.068f, 0.052f};
         bones[b + 1] = {joint(Joint::elbow_left, s), joint(Joint::wrist_left, s), Girth::forearm,
-                        0.041f, 0.029f};
-        bones[b + 2] = {joint(Joint::wrist_left, s), node(kFingersNode, s), Girth::forearm, 0.030f,
-                        0.024f};
-        bones[b + 6] = {joint(Joint::hip_left, s), joint(Joint::knee_left, s), Girth::thigh, 0.094f,
-                        0.062f};
+                        0.050f, 0.033f};
+        bones[b + 2] = {joint(Joint::wrist_left, s), node(kFingersNode, s), Girth::forearm, 0.031f,
+                        0.028f};
+        bones[b + 6] = {joint(Joint::hip_left, s), joint(Joint::knee_left, s), Girth::thigh, 0.122f,
+                        0.083f};
         bones[b + 7] = {joint(Joint::knee_left, s), joint(Joint::ankle_left, s), Girth::shin,
-                        0.062f, 0.048f};
-        bones[b + 8] = {node(kHeelNode, s), node(kToesNode, s), Girth::shin, 0.043f, 0.036f};
+                        0.066f, 0.048f};
+        bones[b + 8] = {node(kHeelNode, s), node(kToesNode, s), Girth::shin, 0.043f, 0.032f};
     }
     return bones;
 }();
@@ -124,12 +125,14 @@ void JointedModel::place() {
     const auto at = [this](Joint j) -> vec3& { return node[static_cast<std::size_t>(j)]; };
     const float torso = shape[Length::torso];
     at(Joint::hip_center) = pose.hips_m;
-    at(Joint::spine) = pose.hips_m + pose.pelvis[1] * (kSpineUp * torso);
+    at(Joint::spine) =
+        pose.hips_m + (pose.pelvis[1] * kSpineUp + pose.pelvis[2] * kSpineForward) * torso;
     at(Joint::shoulder_center) =
         at(Joint::spine) + (pose.chest[1] * kChestUp - pose.chest[2] * kChestBack) * torso;
     const vec3 neck = pose[Segment::neck] * shape[Length::neck];
     at(Joint::head) = at(Joint::shoulder_center) + neck * kNeck;
-    node[kHeadNode] = at(Joint::shoulder_center) + neck * (kNeck + kSkullUp);
+    node[kHeadNode] =
+        at(Joint::shoulder_center) + neck * (kNeck + kSkullUp) + pose.chest[2] * kSkullForward;
     for (int side = 0; side < 2; ++side) {
         const float s = side == 0 ? 1.0f : -1.0f;
         const float wide = shape[Length::shoulders] * s, hip = shape[Length::hips] * s;
@@ -141,15 +144,18 @@ void JointedModel::place() {
         };
         const mat3 &c = pose.chest, &p = pose.pelvis;
         node[joint(Joint::shoulder_left)] = at(Joint::shoulder_center) +
-                                            c[0] * (kShoulderOut * wide) - c[1] * kShoulderDown -
-                                            c[2] * kShoulderBack;
+                                            c[0] * (kShoulderOut * wide) - c[1] * kShoulderDown +
+                                            c[2] * kShoulderForward;
         node[joint(Joint::hip_left)] =
-            at(Joint::hip_center) + p[0] * (kHipOut * hip) - p[1] * kHipDown;
+            at(Joint::hip_center) + p[0] * (kHipOut * hip) - p[1] * kHipDown - p[2] * kHipBack;
         node[extra(kChestTopNode)] =
-            at(Joint::shoulder_center) + c[0] * (0.062f * wide) - c[1] * 0.115f;
-        node[extra(kChestLowNode)] = at(Joint::spine) + c[0] * (0.046f * wide) + c[1] * 0.04f;
-        node[extra(kBellyTopNode)] = at(Joint::spine) + p[0] * (0.046f * wide) + p[1] * 0.02f;
-        node[extra(kBellyLowNode)] = at(Joint::hip_center) + p[0] * (0.052f * hip) - p[1] * 0.05f;
+            at(Joint::shoulder_center) + c[0] * (kTrunkOut * wide) - c[1] * 0.055f + c[2] * 0.004f;
+        node[extra(kChestLowNode)] =
+            at(Joint::spine) + c[0] * (kTrunkOut * wide) + c[1] * 0.04f + c[2] * 0.04f;
+        node[extra(kBellyTopNode)] =
+            at(Joint::spine) + p[0] * (kWaistOut * wide) + p[1] * 0.02f + p[2] * 0.025f;
+        node[extra(kBellyLowNode)] =
+            at(Joint::hip_center) + p[0] * (kBottomOut * hip) - p[1] * 0.05f - p[2] * 0.004f;
         for (int limb = 0; limb < 2; ++limb) {
             std::size_t from = joint(limb == 0 ? Joint::shoulder_left : Joint::hip_left);
             for (int k = 0; k < 3; ++k) {
@@ -189,7 +195,7 @@ void JointedModel::linearize() {
         j.count = 0;
         for (int k = 0; k < 3; ++k) j.add(k, axis(k));
     };
-    const vec3 torso_low = pose.pelvis[1] * kSpineUp;
+    const vec3 torso_low = pose.pelvis[1] * kSpineUp + pose.pelvis[2] * kSpineForward;
     const vec3 torso_high = pose.chest[1] * kChestUp - pose.chest[2] * kChestBack;
     // A node of the chest turns with it about the spine and with the pelvis as the spine does.
     const auto of_chest = [&](NodeJacobian& j, const vec3& at, const vec3& torso) {
@@ -215,7 +221,7 @@ void JointedModel::linearize() {
     };
     jac(Joint::head) = jac(Joint::shoulder_center);
     along(jac(Joint::head), 0, kNeck, Length::neck);
-    jacobian[kHeadNode] = jac(Joint::shoulder_center);
+    of_chest(jacobian[kHeadNode], neck + pose.chest[2] * kSkullForward, torso_low + torso_high);
     along(jacobian[kHeadNode], 0, kNeck + kSkullUp, Length::neck);
     for (int side = 0; side < 2; ++side) {
         const float s = side == 0 ? 1.0f : -1.0f;
@@ -231,18 +237,18 @@ void JointedModel::linearize() {
         jacobian[shoulder].add(shape_unknown(Length::shoulders), cl * kShoulderOut);
         const std::size_t top = extra(kChestTopNode), low = extra(kChestLowNode);
         of_chest(jacobian[top], node[top], torso_low + torso_high);
-        jacobian[top].add(shape_unknown(Length::shoulders), cl * 0.062f);
+        jacobian[top].add(shape_unknown(Length::shoulders), cl * kTrunkOut);
         of_chest(jacobian[low], node[low], torso_low);
-        jacobian[low].add(shape_unknown(Length::shoulders), cl * 0.046f);
+        jacobian[low].add(shape_unknown(Length::shoulders), cl * kTrunkOut);
         const std::size_t hip = joint_index(Joint::hip_left);
         of_pelvis(jacobian[hip], node[hip]);
         jacobian[hip].add(shape_unknown(Length::hips), pl * kHipOut);
         const std::size_t btop = extra(kBellyTopNode), blow = extra(kBellyLowNode);
         of_pelvis(jacobian[btop], node[btop]);
         jacobian[btop].add(shape_unknown(Length::torso), torso_low);
-        jacobian[btop].add(shape_unknown(Length::shoulders), pl * 0.046f);
+        jacobian[btop].add(shape_unknown(Length::shoulders), pl * kWaistOut);
         of_pelvis(jacobian[blow], node[blow]);
-        jacobian[blow].add(shape_unknown(Length::hips), pl * 0.052f);
+        jacobian[blow].add(shape_unknown(Length::hips), pl * kBottomOut);
         for (int limb = 0; limb < 2; ++limb) {
             std::size_t from = limb == 0 ? shoulder : hip;
             for (int k = 0; k < 3; ++k) {

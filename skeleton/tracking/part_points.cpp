@@ -16,7 +16,7 @@ constexpr std::array<PartPlace, kBodyPartCount> kPlaces = [] {
         p[static_cast<std::size_t>(part)] = {bone, from, to, middle, inward};
     };
     using enum BodyPart;
-    set(head, Bone::head, 0, 1, 0, 0.065f);
+    set(head, Bone::head, 0, 1, 0, 0.07f);
     set(neck, Bone::neck, 0, 1, 0.4f, 0.045f);
     for (int s = 0; s < 2; ++s) {
         const auto part = [s](BodyPart left, int stride) {
@@ -25,18 +25,18 @@ constexpr std::array<PartPlace, kBodyPartCount> kPlaces = [] {
         const auto bone = [s](Bone left, int stride) {
             return static_cast<Bone>(static_cast<int>(left) + stride * s);
         };
-        set(part(chest_left, 2), bone(Bone::chest_left, 2), 0, 1, 0.4f, 0.09f);
-        set(part(belly_left, 2), bone(Bone::belly_left, 2), 0, 1, 0.6f, 0.09f);
-        set(part(upper_arm_left_high, 5), bone(Bone::upper_arm_left, 3), 0, 0.5f, 0.2f, 0.04f);
-        set(part(upper_arm_left_low, 5), bone(Bone::upper_arm_left, 3), 0.5f, 1, 0.75f, 0.035f);
-        set(part(forearm_left_high, 5), bone(Bone::forearm_left, 3), 0, 0.5f, 0.25f, 0.032f);
-        set(part(forearm_left_low, 5), bone(Bone::forearm_left, 3), 0.5f, 1, 0.75f, 0.026f);
-        set(part(hand_left, 5), bone(Bone::hand_left, 3), 0, 1, 0.5f, 0.02f);
-        set(part(thigh_left_high, 5), bone(Bone::thigh_left, 3), 0, 0.5f, 0.28f, 0.075f);
-        set(part(thigh_left_low, 5), bone(Bone::thigh_left, 3), 0.5f, 1, 0.75f, 0.06f);
-        set(part(shin_left_high, 5), bone(Bone::shin_left, 3), 0, 0.5f, 0.25f, 0.05f);
-        set(part(shin_left_low, 5), bone(Bone::shin_left, 3), 0.5f, 1, 0.75f, 0.04f);
-        set(part(foot_left, 5), bone(Bone::foot_left, 3), 0, 1, 0.5f, 0.03f);
+        set(part(chest_left, 2), bone(Bone::chest_left, 2), 0, 1, 0.25f, 0.105f);
+        set(part(belly_left, 2), bone(Bone::belly_left, 2), 0, 1, 0.35f, 0.105f);
+        set(part(upper_arm_left_high, 5), bone(Bone::upper_arm_left, 3), 0, 0.5f, 0.18f, 0.052f);
+        set(part(upper_arm_left_low, 5), bone(Bone::upper_arm_left, 3), 0.5f, 1, 0.72f, 0.045f);
+        set(part(forearm_left_high, 5), bone(Bone::forearm_left, 3), 0, 0.5f, 0.24f, 0.037f);
+        set(part(forearm_left_low, 5), bone(Bone::forearm_left, 3), 0.5f, 1, 0.73f, 0.03f);
+        set(part(hand_left, 5), bone(Bone::hand_left, 3), 0, 1, 0.52f, 0.024f);
+        set(part(thigh_left_high, 5), bone(Bone::thigh_left, 3), 0, 0.5f, 0.31f, 0.093f);
+        set(part(thigh_left_low, 5), bone(Bone::thigh_left, 3), 0.5f, 1, 0.76f, 0.075f);
+        set(part(shin_left_high, 5), bone(Bone::shin_left, 3), 0, 0.5f, 0.23f, 0.05f);
+        set(part(shin_left_low, 5), bone(Bone::shin_left, 3), 0.5f, 1, 0.69f, 0.042f);
+        set(part(foot_left, 5), bone(Bone::foot_left, 3), 0, 1, 0.62f, 0.03f);
     }
     return p;
 }();
