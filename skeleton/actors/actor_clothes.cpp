@@ -74,7 +74,8 @@ ClothesOffset clothes_offset(const ActorLook& look) {
     for (std::size_t i = 0; i < places.size(); ++i) {
         const Place& p = places[i];
         const dvec3& base = mesh.vertex_m[i];
-        double out = p.trunk * look.shirt_m;
+        const double waist = (base.y - 1.10) / 0.085;
+        double out = p.trunk * (look.shirt_m + look.drape_m * std::exp(-waist * waist / 2));
         out = std::max(out, p.arm * look.sleeve_m * covered(look.sleeve_end, p.along_arm));
         const double slack = std::clamp(p.along_leg / 2, 0.0, 1.0);
         out = std::max(out, (p.leg + 0.5 * p.foot) * covered(look.trousers_end, p.along_leg) *
@@ -99,6 +100,17 @@ ClothesOffset clothes_offset(const ActorLook& look) {
 
 namespace {
 
+// Largest first, as skin() wants them.
+BoneWeights sorted(BoneWeights w) {
+    for (std::size_t i = 1; i < 4; ++i) {
+        for (std::size_t k = i; k > 0 && w.weight[k] > w.weight[k - 1]; --k) {
+            std::swap(w.weight[k], w.weight[k - 1]);
+            std::swap(w.bone[k], w.bone[k - 1]);
+        }
+    }
+    return w;
+}
+
 // A surface of rings, each with the same number of points, closed round.
 template <class Point, class Part>
 void add_rings(ActorBody& body, int rings, int points, const Point& point, const Part& part) {
@@ -107,7 +119,7 @@ void add_rings(ActorBody& body, int rings, int points, const Point& point, const
         for (int k = 0; k < points; ++k) {
             const auto [p, w] = point(double(r) / (rings - 1), 2 * M_PI * k / points);
             body.vertex_m.emplace_back(p);
-            body.weights.push_back(w);
+            body.weights.push_back(sorted(w));
         }
     }
     for (int r = 0; r + 1 < rings; ++r) {

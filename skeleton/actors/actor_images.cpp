@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "base/check.h"
 #include "skeleton/actors/actor_canvas.h"
@@ -27,27 +28,75 @@ struct Shot {
     double floor_cut_m = 0;
 };
 
-dvec3 random_place(ActorRandom& random, const CameraModel& camera) {
-    const double d = random.chance(0.72) ? random.in(1.5, 3.5) : random.in(0.8, 4.5);
-    const double edge = random.chance(0.15) ? 0.56 : 0.36;
-    const double ray = random.in(-edge, edge) * camera.width / camera.fx;
-    return {ray * d, 0, -d};
+// How the person stands to the camera.
+enum class Framing : std::uint8_t {
+    whole,   ///< most of the body in view
+    close,   ///< head to hips or knees: the picture's border cuts the rest
+    behind,  ///< a desk or the back of a couch hides the lower half
+};
+
+struct View {
+    dvec3 place_m;
+    double height_m, aim_y_m, aim_error_rad;
+};
+
+View random_view(ActorRandom& random, const CameraModel& camera, Framing framing, double stature) {
+    double d = random.chance(0.72) ? random.in(1.5, 3.5) : random.in(0.9, 4.5);
+    double edge = random.chance(0.12) ? 0.56 : 0.33;
+    View view{{},
+              random.chance(0.7) ? random.in(0.6, 1.6) : random.in(0.5, 2.2),
+              0.5 * stature,
+              random.normal(0, 0.10)};
+    if (framing == Framing::close) {
+        d = random.in(0.70, 1.8);
+        edge = random.chance(0.15) ? 0.5 : 0.2;
+        view.height_m = random.in(0.6, 0.95) * stature;
+        view.aim_y_m = random.in(0.66, 0.85) * stature;
+        view.aim_error_rad = random.normal(0, 0.07);
+    } else if (framing == Framing::behind) {
+        d = random.in(1.0, 2.8);
+        view.height_m = random.in(0.6, 1.8);
+        view.aim_y_m = random.in(0.55, 0.8) * stature;
+    }
+    view.place_m = {random.in(-edge, edge) * camera.width / camera.fx * d, 0, -d};
+    return view;
+}
+
+// A desk, a couch seen from behind, a counter: wide.
+void add_barrier(ActorRandom& random, const dvec3& person, double top_m,
+                 std::vector<Primitive>& out) {
+    const double near = random.in(0.22, 0.55), deep = random.in(0.02, 0.3);
+    const dvec3 half(random.in(0.5, 1.6), top_m / 2, deep / 2);
+    const dvec3 at(person.x + random.in(-0.4, 0.4), top_m / 2, person.z + near + deep / 2);
+    out.push_back(box(at, half, kPartThing, Material::wood,
+                      glm::mat3_cast(glm::angleAxis(random.normal(0, 0.15), dvec3(0, 1, 0)))));
 }
 
 Shot draw_shot(ActorRandom& random, const CameraModel& camera) {
     Shot shot;
-    shot.body = make_actor_body(random_look(random.bits()));
+    const ActorLook look = random_look(random.bits());
+    shot.body = make_actor_body(look);
+    const double frame = random.unit();
+    const Framing framing = frame < 0.62   ? Framing::whole
+                            : frame < 0.84 ? Framing::close
+                                           : Framing::behind;
     const DrawnPose drawn = draw_pose(random);
-    const dvec3 place = random_place(random, camera);
-    const double yaw = random.chance(0.65) ? random.in(-1.05, 1.05) : random.in(-M_PI, M_PI);
+    const View view = random_view(random, camera, framing, look.stature_m);
+    const dvec3 place = view.place_m;
+    const double facing = random.chance(0.65) ? random.in(-1.05, 1.05) : random.in(-M_PI, M_PI);
+    // Towards the camera, wherever one stands.
+    const double yaw = facing + std::atan2(-place.x, -place.z);
     ActorPose pose = turned(drawn.pose, yaw);
     pose.place_m = {place.x, place.z};
     const PosedBones bones = pose_actor(shot.body, pose, shot.posed);
+    const auto joint = [&](Joint j) { return bones.joint_m[static_cast<std::size_t>(j)]; };
 
-    const double height = random.chance(0.7) ? random.in(0.6, 1.6) : random.in(0.5, 2.2);
-    const dvec3 middle = bones.joint_m[static_cast<std::size_t>(Joint::spine)];
-    const double aim = std::atan2(height - middle.y, -place.z) + random.normal(0, 0.10);
-    shot.view_from_world = inverse(camera_pose(height, std::clamp(aim, -0.52, 0.52)));
+    const dvec3 middle = joint(Joint::spine);
+    // Who sits or lies is looked at lower.
+    const double lower = middle.y - 0.64 * look.stature_m;
+    const double aim =
+        std::atan2(view.height_m - view.aim_y_m - lower, -place.z) + view.aim_error_rad;
+    shot.view_from_world = inverse(camera_pose(view.height_m, std::clamp(aim, -0.52, 0.52)));
 
     const dvec3 forward = turned(ActorPose{}, yaw).pelvis[2];
     if (drawn.seated && random.chance(0.9)) {
@@ -55,11 +104,14 @@ Shot draw_shot(ActorRandom& random, const CameraModel& camera) {
         if (seat > 0.15)
             add_chair(random, middle, forward, seat + random.in(0, 0.015), shot.solids);
     }
-    if (random.chance(drawn.seated ? 0.25 : 0.08)) {  // behind a desk
-        const double t = random.in(0.45, 0.85);
-        add_table(random, place * t, random.normal(0, 0.3), shot.solids);
+    if (framing == Framing::behind) {
+        const double hips = joint(Joint::hip_center).y, chest = joint(Joint::shoulder_center).y;
+        add_barrier(random, place, std::max(0.2, glm::mix(hips, chest, random.in(-0.2, 0.45))),
+                    shot.solids);
+    } else if (random.chance(drawn.seated ? 0.2 : 0.04)) {
+        add_table(random, place * random.in(0.45, 0.85), random.normal(0, 0.3), shot.solids);
     }
-    if (random.chance(0.08)) {
+    if (random.chance(0.07)) {
         const double t = random.in(0.4, 0.9);
         add_thing(random, {place.x * t + random.in(-0.5, 0.5), 0, place.z * t}, shot.solids);
     }
@@ -69,7 +121,7 @@ Shot draw_shot(ActorRandom& random, const CameraModel& camera) {
             middle + forward * random.in(0.25, 0.42) + dvec3(0, random.in(-0.1, 0.3), 0);
         shot.solids.push_back(box(at, half, kPartThing, Material::wood));
     }
-    if (random.chance(0.06)) {
+    if (random.chance(0.05)) {
         shot.others.emplace_back(make_actor_body(random_look(random.bits())),
                                  std::vector<glm::vec3>{});
         ActorPose other = turned(draw_pose(random).pose, random.in(-M_PI, M_PI));
@@ -82,6 +134,25 @@ Shot draw_shot(ActorRandom& random, const CameraModel& camera) {
     // The floor's neighbourhood is cut off the body by who finds people, by more or less.
     shot.floor_cut_m = random.chance(0.5) ? random.in(0.0, 0.05) : 0;
     return shot;
+}
+
+// Dark cloth and shiny things give no reading: a few blots without one.
+void drop_blots(ActorRandom& random, const raycast::Rect& rect, Image<float>& depth_m) {
+    const int blots = random.chance(0.25) ? 1 + static_cast<int>(random.below(6)) : 0;
+    for (int i = 0; i < blots; ++i) {
+        const double cx = random.in(rect.x0, rect.x1), cy = random.in(rect.y0, rect.y1);
+        const double rx = random.in(1, 7), ry = random.in(1, 7), solid = random.in(0.5, 1.0);
+        const int x0 = std::max(rect.x0, static_cast<int>(cx - rx)),
+                  x1 = std::min(rect.x1 - 1, static_cast<int>(cx + rx));
+        const int y0 = std::max(rect.y0, static_cast<int>(cy - ry)),
+                  y1 = std::min(rect.y1 - 1, static_cast<int>(cy + ry));
+        for (int y = y0; y <= y1; ++y) {
+            for (int x = x0; x <= x1; ++x) {
+                const double u = (x - cx) / rx, v = (y - cy) / ry;
+                if (u * u + v * v < 1 && random.unit() < solid) depth_m.at(x, y) = 0;
+            }
+        }
+    }
 }
 
 struct Studio {
@@ -123,6 +194,8 @@ bool take_picture(Shot& shot, ActorRandom& random, Studio& s, TrainingImage& out
     noise.sigma_steps = random.in(0.35, 0.6);
     noise.ragged = random.in(0.1, 0.4);
     s.canvas.measure(&noise, static_cast<std::uint32_t>(random.bits()), s.depth_m);
+
+    drop_blots(random, rect, s.depth_m);
 
     const Pose world_from_view = inverse(shot.view_from_world);
     const glm::dvec3 up = glm::conjugate(world_from_view.rotation) * dvec3(0, 1, 0);

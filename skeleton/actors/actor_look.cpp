@@ -9,6 +9,7 @@ namespace {
 
 void dress(ActorLook& look, ActorRandom& random, double masculine) {
     look.shirt_m = random.in(0.002, 0.014);
+    look.drape_m = random.chance(0.7) ? random.in(0.005, 0.050) : 0;
     const double sleeves = random.unit();
     look.sleeve_end = sleeves < 0.12 ? 0 : sleeves < 0.45 ? random.in(0.3, 0.9) : 2;
     look.sleeve_m = random.chance(0.25) ? random.in(0.015, 0.040) : random.in(0.002, 0.015);
@@ -52,6 +53,7 @@ ActorLook random_look(std::uint64_t seed) {
     look.feet = random.normal(0.97 + 0.05 * masculine, 0.04);
     look.shoulders = random.normal(0.93 + 0.14 * masculine, 0.035);
     look.hips = random.normal(1.05 - 0.09 * masculine, 0.03);
+    look.waist = random.normal(0.98 + 0.10 * masculine, 0.03);
     look.weight = std::clamp(random.normal(0.25, 0.65), -0.8, 2.2);
     if (child) {
         look.shoulders *= 0.95;

@@ -5,6 +5,7 @@
 
 #include "skeleton/actors/actor_sequence.h"
 #include "skeleton/actors/pose_library.h"
+#include "skeleton/actors/recorded_motion.h"
 #include "skeleton/synthetic/motion.h"
 
 namespace kino {
@@ -89,6 +90,9 @@ class WanderMotion : public ActorMotion {
 std::vector<std::string> actor_motions() {
     std::vector<std::string> names = {"arms", "wander", "sit", "crouch", "bend"};
     for (const Motion motion : all_motions()) names.emplace_back(motion_name(motion));
+    for (const BuiltInRecording& recording : built_in_recordings()) {
+        names.emplace_back(recording.name);
+    }
     return names;
 }
 
@@ -109,9 +113,14 @@ Result<std::shared_ptr<const ActorMotion>> make_actor_motion(const std::string& 
         return std::make_shared<LoopMotion>(*motion,
                                             seed % 2 == 0 ? 0 : random.in(0, kMotionPeriodS));
     }
+    if (auto recorded = built_in_motion(name)) return recorded;
+    if (name.starts_with("log:")) {
+        KINO_ASSIGN(const JointRecording recording, read_joint_recording(name.substr(4)));
+        return recorded_motion(recording, false);
+    }
     std::string known;
     for (const std::string& n : actor_motions()) known += (known.empty() ? "" : ", ") + n;
-    return fail("there is no such motion", name, "known are " + known);
+    return fail("there is no such motion", name, "known are " + known + ", log:FILE");
 }
 
 }  // namespace kino

@@ -126,6 +126,12 @@ ActorPose turned(const ActorPose& pose, double yaw_rad) {
     return out;
 }
 
+ActorPose turned(const ActorPose& pose, const glm::dquat& rotation) {
+    ActorPose out = pose;
+    change_all(out, [&](const dvec3& v) { return rotation * v; });
+    return out;
+}
+
 ActorPose mirrored(const ActorPose& pose) {
     ActorPose out = pose;
     change_all(out, [](const dvec3& v) { return dvec3(-v.x, v.y, v.z); });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -39,6 +40,9 @@ struct ActorPose {
 
 /// A pose turned about the vertical through the world's origin.
 [[nodiscard]] ActorPose turned(const ActorPose& pose, double yaw_rad);
+
+/// A pose turned about the world's origin any way.
+[[nodiscard]] ActorPose turned(const ActorPose& pose, const glm::dquat& rotation);
 
 /// The same pose with left and right exchanged, mirrored at the plane x = 0.
 [[nodiscard]] ActorPose mirrored(const ActorPose& pose);

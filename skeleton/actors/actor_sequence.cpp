@@ -73,7 +73,7 @@ class StagedSequence : public ActorSequence {
 
 Result<void> StagedSequence::stage() {
     ActorRandom random{0x7A4E, take_.seed};
-    const double distance = take_.distance_m.value_or(random.in(1.8, 3.2));
+    const double distance = take_.distance_m.value_or(random.in(2.1, 3.4));
     for (int i = 0; i < take_.actors; ++i) {
         Player player;
         player.body = make_actor_body(random_look(random.bits()));
@@ -95,7 +95,10 @@ Result<void> StagedSequence::stage() {
         players_.push_back(std::move(player));
     }
     const double height = random.in(0.6, 1.8);
-    const double aim = std::atan2(height - 0.95, distance) + random.normal(0, 0.05);
+    // At the middle of the first, who then fits from some 2.2 m on.
+    const double middle =
+        0.68 * players_.front().bones.joint_m[static_cast<std::size_t>(Joint::shoulder_center)].y;
+    const double aim = std::atan2(height - middle, distance) + random.normal(0, 0.03);
     view_from_world_ = inverse(camera_pose(height, std::clamp(aim, -0.52, 0.52)));
     furnish(random, distance);
     return {};

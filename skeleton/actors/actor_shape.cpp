@@ -38,7 +38,7 @@ std::array<Stretch, kActorBoneCount> stretches(const ActorLook& look) {
                                  diagonal(width, look.trunk, 1)};
     };
     trunk(ActorBone::pelvis, look.hips, 0.09, 0.12);
-    trunk(ActorBone::waist, (look.hips + look.shoulders) / 2, 0.15, 0.17);
+    trunk(ActorBone::waist, look.waist, 0.15, 0.17);
     trunk(ActorBone::chest, look.shoulders, 0.09, 0.13);
     const double neck = 1 + 0.10 * fat + 0.05 * thin + 0.10 * muscle;
     out[bone_index(ActorBone::neck)] = {diagonal(neck, look.trunk, neck), dmat3(look.trunk)};

@@ -12,7 +12,7 @@ namespace kino {
 
 struct BoneWeights {
     std::array<std::uint8_t, 4> bone{};
-    std::array<float, 4> weight{};  ///< sum 1; largest first
+    std::array<float, 4> weight{};  ///< sum 1; largest first, none after a zero
 };
 
 /// The person everybody is varied from, as it stands in skeleton/actors/data: arms half raised,

@@ -43,8 +43,10 @@ void put(Image<Rgba8>& sheet, int x, int y, Rgba8 c) {
 }
 
 int images_sheet(std::uint64_t seed, int first, int columns, int rows, const std::string& path) {
-    constexpr int kCell = 200;
-    auto images = ActorImages::create({.seed = seed, .count = first + columns * rows}).value();
+    constexpr int kCell = 240;
+    auto images = ActorImages::create(
+                      {.seed = seed, .count = first + columns * rows, .width = 640, .height = 480})
+                      .value();
     Image<Rgba8> sheet(columns * kCell * 2, rows * kCell, {40, 40, 40, 255});
     TrainingImage picture;
     for (int i = 0; i < columns * rows; ++i) {
