@@ -95,9 +95,16 @@ Result<void> StagedSequence::stage() {
         players_.push_back(std::move(player));
     }
     const double height = random.in(0.6, 1.8);
-    // At the middle of the first, who then fits from some 2.2 m on.
-    const double middle =
-        0.68 * players_.front().bones.joint_m[static_cast<std::size_t>(Joint::shoulder_center)].y;
+    // At the middle of the first when it stands highest; it then fits from some 2.2 m on.
+    Player& first = players_.front();
+    double top = 0;
+    for (int k = 0; k < 8; ++k) {
+        first.pose(first.motion->frames() * k / 8);
+        top =
+            std::max(top, first.bones.joint_m[static_cast<std::size_t>(Joint::shoulder_center)].y);
+    }
+    first.pose(0);
+    const double middle = 0.72 * top;
     const double aim = std::atan2(height - middle, distance) + random.normal(0, 0.03);
     view_from_world_ = inverse(camera_pose(height, std::clamp(aim, -0.52, 0.52)));
     furnish(random, distance);

@@ -50,6 +50,18 @@ std::vector<Joints> eased(const std::vector<Joints>& in) {
     return out;
 }
 
+// Hips nearer to the ankles than standing legs have them.
+bool sits(const Joints& joints) {
+    double bent = 0;
+    for (const Joint hip : {Joint::hip_left, Joint::hip_right}) {
+        const auto i = static_cast<std::size_t>(hip);
+        const double leg =
+            glm::distance(joints[i], joints[i + 1]) + glm::distance(joints[i + 1], joints[i + 2]);
+        bent += 0.5 * (joints[i].y - joints[i + 2].y) / std::max(leg, 0.1);
+    }
+    return bent < 0.75;
+}
+
 double lowest(const Joints& joints) {
     double y = joints[0].y;
     for (const dvec3& p : joints) y = std::min(y, p.y);
@@ -63,6 +75,8 @@ class RecordedMotion : public ActorMotion {
         for (const Joints& j : joints_) floor_m_ = std::min(floor_m_, lowest(j));
         const ActorPose first = actor_pose(joints_[0], floor_m_);
         yaw_rad_ = -std::atan2(first.chest[2].x, first.chest[2].z);
+        const auto sitting = std::count_if(joints_.begin(), joints_.end(), sits);
+        seated_ = 2 * sitting > static_cast<std::ptrdiff_t>(joints_.size());
         glm::dvec2 lo = first.place_m, hi = first.place_m;
         for (const Joints& j : joints_) {
             const glm::dvec2 place(j[0].x, j[0].z);
@@ -76,6 +90,7 @@ class RecordedMotion : public ActorMotion {
         origin_m_ = (lo + hi) / 2.0;
     }
     [[nodiscard]] int frames() const override { return static_cast<int>(joints_.size()); }
+    [[nodiscard]] bool seated() const override { return seated_; }
     [[nodiscard]] ActorPose pose(int frame) const override {
         const Joints& joints = joints_[static_cast<std::size_t>(frame)];
         ActorPose pose = actor_pose(joints, floor_m_);
@@ -87,7 +102,7 @@ class RecordedMotion : public ActorMotion {
 
   private:
     std::vector<Joints> joints_;
-    bool airborne_;
+    bool airborne_, seated_ = false;
     double floor_m_, yaw_rad_ = 0, stride_ = 1;
     glm::dvec2 origin_m_{0};
 };
