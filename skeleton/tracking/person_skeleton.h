@@ -22,8 +22,8 @@ struct PersonView {
 struct SkeletonOptions {
     int rounds = 5;  ///< of the fit
     int points_per_part = 36;
-    double learn_s = 3;   ///< bone lengths are free for so long
-    float hold = 0.025f;  ///< and then stay within this share
+    double learn_s = 2.5;  ///< bone lengths are free for so long
+    float hold = 0.012f;  ///< and then stay within this share
 };
 
 /// The jointed model of one person, carried through time.
