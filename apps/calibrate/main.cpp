@@ -1,0 +1,189 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "apps/calibrate/depth_planes.h"
+#include "apps/calibrate/outputs.h"
+#include "apps/calibrate/session_shots.h"
+#include "apps/exit_codes.h"
+#include "apps/interrupt.h"
+#include "apps/sources.h"
+#include "calibration/boards/gather.h"
+#include "sensor/source.h"
+
+namespace kino {
+namespace {
+
+struct Options {
+    std::string images;
+    std::string pairs;
+    std::string names;
+    std::string session;
+    std::string uri;
+    std::string board = "chess:9x6:25";
+    std::string model = "auto";
+    std::string serial;
+    std::string depth;
+    std::array<double, 2> depth_shift = {0, 0};
+    bool squared = false;
+    bool json = false;
+    int views = 30;
+    Outputs outputs;
+};
+
+void say(std::string_view line) {
+    fmt::print(stderr, "{}\n", line);
+}
+
+Result<Shots> gather(const Options& options, const Board& board, std::vector<std::string>& notes) {
+    if (!options.images.empty()) {
+        KINO_ASSIGN(const PictureSet set, pictures_in(options.images));
+        return shots_of_pictures(set, board, notes, say);
+    }
+    if (!options.pairs.empty()) {
+        KINO_ASSIGN(const PictureSet set, picture_pairs_in(options.pairs, options.names));
+        return shots_of_pictures(set, board, notes, say);
+    }
+    std::string uri = options.session.empty() ? options.uri : options.session;
+    if (uri.empty()) {
+        KINO_ASSIGN(uri, first_device());
+    }
+    return shots_of_session(uri, board, {.views = options.views}, notes, say);
+}
+
+// What a session knows besides its cameras: serial, range, disparity.
+RigParameters base_rig(const Options& options) {
+    RigParameters rig;
+    if (!options.session.empty()) {
+        if (const auto source = open_source(options.session)) {
+            if (auto known = (*source)->calibration()) rig = std::move(*known);
+        }
+    }
+    if (!options.serial.empty()) rig.serial = options.serial;
+    return rig;
+}
+
+void tell(const Report& report) {
+    const Calibration& c = report.calibration;
+    for (const std::string& note : report.notes) say("note: " + note);
+    for (const std::string& note : c.notes) say("note: " + note);
+    for (const CameraResult& camera : c.cameras) {
+        fmt::print("{}: {}x{}, {}, RMS {:.3f} px", camera.name, camera.camera.width,
+                   camera.camera.height, name(camera.model), camera.rms_px);
+        for (const LensScore& score : camera.scores) {
+            if (score.model == camera.model) fmt::print(", held out {:.3f} px", score.held_out_px);
+        }
+        fmt::print("\n");
+        for (const SolvedNumber& n : camera.numbers) {
+            fmt::print("  {} {:12.6g} {}\n", n.name, n.value,
+                       n.held ? std::string("held") : fmt::format("+- {:.2g}", n.sigma));
+        }
+    }
+    for (const SolvedNumber& n : c.rig) {
+        fmt::print("  {} {:10.4f} +- {:.2g} {}\n", n.name, n.value, n.sigma, n.unit);
+    }
+    fmt::print("{} views, RMS {:.3f} px\n", c.views.size(), c.rms_px);
+}
+
+Result<void> run(const Options& options) {
+    KINO_ASSIGN(const Board board, parse_board(options.board));
+    CalibrateOptions how;
+    how.progress = say;
+    if (options.squared) how.bundle.huber_sigmas = 0;
+    if (options.model != "auto") {
+        std::optional<LensModel> known;
+        for (const LensModel model : kLensModels) {
+            if (name(model) == options.model) known = model;
+        }
+        if (!known) {
+            return fail(fmt::format("\"{}\" is no lens model", options.model), "--model",
+                        "auto, pinhole, brown4, brown5 or rational8");
+        }
+        how.models = {*known};
+    }
+    Report report;
+    KINO_ASSIGN(const Shots shots, gather(options, board, report.notes));
+    KINO_ASSIGN(report.calibration, calibrate(shots, how));
+    report.board = board_text(board);
+    report.title = "Calibration";
+    for (const CameraResult& camera : report.calibration.cameras) {
+        report.title +=
+            (&camera == &report.calibration.cameras[0] ? " of " : " and ") + camera.name;
+    }
+    if (!options.depth.empty()) {
+        KINO_ASSIGN(report.planes, depth_planes(options.depth, 100));
+    }
+    const RigParameters rig = rig_of(report.calibration, base_rig(options),
+                                     {options.depth_shift[0], options.depth_shift[1]});
+    KINO_TRY(write_outputs(options.outputs, report, rig));
+    if (options.json) {
+        fmt::print("{}", report_json(report));
+    } else {
+        tell(report);
+    }
+    return {};
+}
+
+void add_options(CLI::App& app, Options& o) {
+    auto* images = app.add_option("--images", o.images, "folder of pictures by one camera");
+    auto* pairs = app.add_option("--pairs", o.pairs,
+                                 "folder of pictures by two cameras, paired by "
+                                 "name (infrared01 and color01, left01 and right01)");
+    app.add_option("--names", o.names, "what the pairs' names begin with: first,second");
+    auto* session = app.add_option("--session", o.session, "session with the board in it");
+    auto* uri = app.add_option("uri", o.uri, "device; without any of these, the first one found");
+    images->excludes(pairs)->excludes(session)->excludes(uri);
+    pairs->excludes(session)->excludes(uri);
+    session->excludes(uri);
+    app.add_option("--board", o.board,
+                   "chess:9x6:25 (inner corners, mm) or charuco:14x9:40:30:6 (squares, mm, marker "
+                   "mm, dictionary)")
+        ->capture_default_str();
+    app.add_option("--model", o.model, "auto, pinhole, brown4, brown5 or rational8")
+        ->capture_default_str();
+    app.add_flag("--squared", o.squared, "plain squares instead of the robust loss");
+    app.add_option("--views", o.views, "how many views to take from a session or device")
+        ->check(CLI::Range(3, 200))
+        ->capture_default_str();
+    app.add_option("--depth-shift", o.depth_shift,
+                   "x y: px from the depth image to the infrared one (Kinect v1: 4.8 3.9)");
+    app.add_option("--serial", o.serial, "serial number to write into the result");
+    app.add_option("--depth", o.depth, "session whose flat parts show the depth error by distance");
+    app.add_option("--out", o.outputs.rig, "calibration as Kinoscope reads it (JSON)");
+    app.add_option("--report", o.outputs.report, "folder for report.html and report.json");
+    app.add_option("--ros", o.outputs.ros, "folder for ROS camera_info, one file a camera");
+    app.add_option("--opencv", o.outputs.opencv, "OpenCV YAML");
+    app.add_option("--k4a", o.outputs.k4a, "Azure Kinect JSON (only at that sensor's sizes)");
+    app.add_option("--tum", o.outputs.tum, "folder for TUM intrinsics, one file a camera");
+    app.add_flag("--json", o.json, "the report as JSON on stdout");
+}
+
+}  // namespace
+}  // namespace kino
+
+int main(int argc, char** argv) {
+    using namespace kino;
+    CLI::App app("Finds the cameras of a sensor from pictures of a board, and says how well.",
+                 "kinoscope calibrate");
+    Options options;
+    add_options(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? kExitDone : kExitUsage;
+    }
+    try {
+        register_sources();
+        catch_interrupts();
+        const auto done = run(options);
+        if (done) return kExitDone;
+        fmt::print(stderr, "kinoscope calibrate: {}\n", done.error().to_string());
+    } catch (const std::exception& thrown) {
+        fmt::print(stderr, "kinoscope calibrate: {}\n", thrown.what());
+    }
+    return kExitFailed;
+}
