@@ -74,8 +74,10 @@ def write(out, frames, most, note, skip=0):
 def main(root):
     folder = root + "/skeleton-kinect2-laban-gestures/"
     for name, out in (("Ges01_wavehand", "laban-wave"), ("Ges03_drawlines", "laban-draw"),
-                      ("Ges05_demopoint", "laban-point"), ("joints", "laban-arms")):
+                      ("Ges05_demopoint", "laban-point")):
         write(out + ".csv", laban(folder + name + ".csv"), 400, "LabanotationSuite " + name)
+    # Nearer than the legs can be seen; before and after, the tracker folds them.
+    write("laban-arms.csv", laban(folder + "joints.csv"), 270, "LabanotationSuite joints", 40)
     write("keraal-ctk.csv", keraal(root + "/skeleton-keraal-kinect2-vicon/"
                                    "G3-Kinect-CTK-P1T1-Unknown-C-0.txt.gz"), 400, "Keraal CTK, Kinect")
     folder = root + "/skeleton-kinect2-multitrack/"
