@@ -15,7 +15,7 @@ void widen(const Image<std::uint8_t>& from, Image<std::uint8_t>& to) {
     std::fill(to.pixels().begin(), to.pixels().end(), std::uint8_t{0});
     for (int y = 0; y < from.height(); ++y) {
         for (int x = 0; x < from.width(); ++x) {
-            if (!from.at(x, y)) continue;
+            if (from.at(x, y) != Background::kPerson) continue;
             const int x0 = std::max(x - kMargin, 0), x1 = std::min(x + kMargin + 1, from.width());
             const int y1 = std::min(y + kMargin + 1, from.height());
             for (int v = std::max(y - kMargin, 0); v < y1; ++v) {
@@ -32,6 +32,7 @@ void Background::reset(int width, int height) {
     const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     cells_.assign(count, {});
     limit_.assign(count, 0.0f);
+    beyond_.assign(count, 0.0f);
     first_ = true;
 }
 
@@ -86,13 +87,17 @@ void Background::learn(const Image<float>& z_m, const Image<std::uint8_t>& perso
         } else {
             wait(cell, z, time);
             const bool nearer = cell.depth_m != 0 && z < cell.depth_m;
-            const double needed = nearer ? options_.absorb_s : options_.learn_s;
+            const bool near = person.data()[i] == kNearPerson;
+            const double needed = nearer ? options_.absorb_s
+                                  : near ? options_.near_s
+                                         : options_.learn_s;
             if (cell.waited >= kReadings && to_seconds(time - cell.since) >= needed) {
                 cell.depth_m = cell.waiting_m;
                 cell.deviation_m = 0;
                 cell.waited = 0;
             }
         }
+        beyond_[i] = cell.depth_m + 2 * threshold_m(cell);
         limit_[i] = cell.depth_m == 0 ? 0 : std::max(cell.depth_m - threshold_m(cell), 0.01f);
     }
 }

@@ -13,6 +13,7 @@ struct BackgroundOptions {
     float sigmas = 5;             ///< how far before the background something must be
     float least_m = 0.03f;        ///< and at least this
     double learn_s = 0.5;         ///< an unknown or farther surface is learned after so long
+    double near_s = 3;            ///< within a person's reach, where hands and sheets pause
     double absorb_s = 10;         ///< a nearer one that is nobody: a chair that was put there
     double adapt_s = 2;           ///< time constant of the slow adaptation
 };
@@ -27,11 +28,16 @@ class Background {
 
     /// Readings nearer than this are in front. 0: nothing is known there.
     [[nodiscard]] float limit_m(std::size_t cell) const { return limit_[cell]; }
+    /// Readings farther than this disprove what is known.
+    [[nodiscard]] float beyond_m(std::size_t cell) const { return beyond_[cell]; }
     [[nodiscard]] float depth_m(std::size_t cell) const { return cells_[cell].depth_m; }
     [[nodiscard]] float known_share() const;
 
-    /// Learns from one picture, 0 = no reading. `person`: not 0 where somebody is seen, or may be.
-    /// Both of the size given to reset(); times do not fall.
+    static constexpr std::uint8_t kPerson = 1, kNearPerson = 2;
+
+    /// Learns from one picture, 0 = no reading. `person`: kPerson where somebody is seen, or may
+    /// be, kNearPerson within his reach, else 0. Both of the size given to reset(); times do not
+    /// fall.
     void learn(const Image<float>& z_m, const Image<std::uint8_t>& person, TimeNs time);
 
   private:
@@ -49,7 +55,7 @@ class Background {
     BackgroundOptions options_;
     int width_ = 0;
     std::vector<Cell> cells_;
-    std::vector<float> limit_;
+    std::vector<float> limit_, beyond_;
     Image<std::uint8_t> kept_;  // the person and what is next to him
     TimeNs last_ = 0;
     bool first_ = true;

@@ -4,11 +4,31 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 namespace kino {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// Least squares of position = a tangent + b.
+struct Line {
+    double n = 0, t = 0, tt = 0, p = 0, pt = 0;
+    void add(double tangent, double position) {
+        n += 1;
+        t += tangent;
+        tt += tangent * tangent;
+        p += position;
+        pt += tangent * position;
+    }
+    [[nodiscard]] std::pair<float, float> fit() const {
+        const double spread = n * tt - t * t;
+        if (!(spread > 1e-9)) return {1.0f, -1e9f};
+        const double a = (n * pt - t * p) / spread;
+        return {static_cast<float>(a), static_cast<float>((p - a * t) / n)};
+    }
+};
 
 bool usable(const RayXy& ray) {
     return std::isfinite(ray.x) && std::isfinite(ray.y);
@@ -45,6 +65,24 @@ DepthGrid::DepthGrid(const Image<RayXy>& rays, int cell_px)
         std::nth_element(steps.begin(), half, steps.end());
         cell_tangent_ = *half * static_cast<float>(cell_px);
     }
+    fit_pinhole(rays);
+}
+
+void DepthGrid::fit_pinhole(const Image<RayXy>& rays) {
+    // The middle half, where distortion is small.
+    Line across, down;
+    const int width = rays.width(), height = rays.height();
+    const double cell = cell_px_;
+    for (int x = width / 4; x < width - width / 4; ++x) {
+        const RayXy& ray = rays.at(x, height / 2);
+        if (usable(ray)) across.add(static_cast<double>(ray.x), (x + 0.5) / cell);
+    }
+    for (int y = height / 4; y < height - height / 4; ++y) {
+        const RayXy& ray = rays.at(width / 2, y);
+        if (usable(ray)) down.add(static_cast<double>(ray.y), (y + 0.5) / cell);
+    }
+    std::tie(focal_x_, middle_x_) = across.fit();
+    std::tie(focal_y_, middle_y_) = down.fit();
 }
 
 void DepthGrid::sample(const Image<float>& depth_m) {

@@ -37,12 +37,22 @@ class DepthGrid {
         const float z = z_.data()[cell];
         return {ray.x * z, ray.y * z, z};
     }
+    /// The cell in which a point of depth-camera space is seen, as a pinhole that is fitted to the
+    /// rays tells (a lens's distortion is not followed); -1 if none or behind the camera.
+    [[nodiscard]] std::int32_t cell_of(const glm::vec3& p) const {
+        if (!(p.z > kMinDepthM)) return -1;
+        const float x = focal_x_ * p.x / p.z + middle_x_, y = focal_y_ * p.y / p.z + middle_y_;
+        if (!(x >= 0 && y >= 0)) return -1;
+        const auto column = static_cast<int>(x), line = static_cast<int>(y);
+        return column < width() && line < height() ? line * width() + column : -1;
+    }
     /// Edge of a cell at one metre, metres: its area at depth z is (z * this)^2.
     [[nodiscard]] float cell_tangent() const { return cell_tangent_; }
     [[nodiscard]] PixelSpan columns(int cell_x) const { return span(cell_x, width(), full_width_); }
     [[nodiscard]] PixelSpan rows(int cell_y) const { return span(cell_y, height(), full_height_); }
 
   private:
+    void fit_pinhole(const Image<RayXy>& rays);
     [[nodiscard]] PixelSpan span(int cell, int cells, int pixels) const {
         return {cell * cell_px_, cell + 1 == cells ? pixels : (cell + 1) * cell_px_};
     }
@@ -50,6 +60,7 @@ class DepthGrid {
     int cell_px_;
     int full_width_, full_height_;
     float cell_tangent_ = 0;
+    float focal_x_ = 1, middle_x_ = 0, focal_y_ = 1, middle_y_ = 0;  // cells of a ray
     std::vector<RayXy> rays_;  // of the four samples of each cell, one after the other
     Image<float> z_;
     std::vector<RayXy> pick_;

@@ -67,7 +67,9 @@ PeopleFinder::PeopleFinder(Image<RayXy> rays, const PeopleOptions& options, int 
       floor_finder_(floor_for(options)),
       tracker_(tracker_for(options), options.person),
       before_m_(grid_.width(), grid_.height(), 0.0f),
+      last_m_(grid_.width(), grid_.height(), 0.0f),
       mask_(grid_.width(), grid_.height()),
+      certain_(grid_.width(), grid_.height()),
       slots_(grid_.width(), grid_.height()),
       seen_(grid_.width(), grid_.height()),
       upright_m_(mask_.size()) {
@@ -78,6 +80,7 @@ PeopleFinder::PeopleFinder(Image<RayXy> rays, const PeopleOptions& options, int 
 
 void PeopleFinder::reset() {
     std::fill(before_m_.pixels().begin(), before_m_.pixels().end(), 0.0f);
+    std::fill(slots_.pixels().begin(), slots_.pixels().end(), std::uint8_t{0});
     background_.reset(grid_.width(), grid_.height());
     floor_finder_.reset();
     tracker_.reset();
@@ -86,7 +89,8 @@ void PeopleFinder::reset() {
 
 bool PeopleFinder::in_front(std::size_t cell, float z, float height_m) const {
     const float limit = options_.moving_sensor ? 0.0f : background_.limit_m(cell);
-    if (limit > 0) return z < limit;
+    // Farther than what was taken for the room: that was something else.
+    if (limit > 0 && !(z > background_.beyond_m(cell))) return z < limit;
     if (!floor_.known()) return true;
     return height_m > kFloorMarginM + 2 * options_.floor.noise_per_m * z * z;
 }
@@ -100,7 +104,7 @@ void PeopleFinder::remember(TimeNs time) {
 bool PeopleFinder::changed(std::size_t cell) const {
     // Only within a surface: at its edges readings jump without anything moving.
     const auto width = static_cast<std::size_t>(grid_.width());
-    const std::int32_t* labels = components_.labels().data();
+    const std::int32_t* labels = labels_.data();
     const float* z = grid_.z_m().data();
     if (cell < width + 1 || cell + width + 1 >= mask_.size()) return false;
     for (const std::size_t other : {cell - 1, cell + 1, cell - width, cell + width}) {
@@ -115,15 +119,44 @@ void PeopleFinder::mark_foreground(const FloorPlane& floor) {
     const glm::mat3 upright = upright_from_camera(floor.up);
     for (std::size_t i = 0; i < mask_.size(); ++i) {
         const float z = grid_.z_m().data()[i];
-        mask_.data()[i] = 0;
+        mask_.data()[i] = certain_.data()[i] = 0;
         if (z == 0) continue;
         upright_m_[i] = upright * grid_.point(i) + glm::vec3(0, floor.height_m, 0);
         mask_.data()[i] = in_front(i, z, upright_m_[i].y) ? 1 : 0;
+        const bool known =
+            !options_.moving_sensor && background_.limit_m(i) > 0 && z < background_.limit_m(i);
+        certain_.data()[i] = known ? mask_.data()[i] : 0;
     }
 }
 
+void PeopleFinder::find_heads(TimeNs time) {
+    labels_ = components_.labels();
+    head_finder_.find(grid_, mask_, floor_.up);
+    const glm::mat3 upright = upright_from_camera(floor_.up);
+    const glm::vec3 above(0, floor_.height_m, 0);
+    std::vector<BodyReach::Anchor> anchors;
+    for (const Head& head : head_finder_.heads())
+        anchors.push_back({head.cell, upright * head.place_m + above});
+    // Who was seen a moment ago is there even if he hides his face.
+    const std::size_t seen = anchors.size();
+    for (const glm::vec3& head : tracker_.expected_heads(time)) {
+        const bool again = std::any_of(
+            anchors.begin(), anchors.begin() + static_cast<std::ptrdiff_t>(seen),
+            [&](const BodyReach::Anchor& a) { return glm::distance(a.head_m, head) < 0.25f; });
+        for (float down = 0; !again && down < 0.6f; down += 0.1f) {
+            const glm::vec3 at = glm::transpose(upright) * (head - glm::vec3(0, down, 0) - above);
+            const std::int32_t cell = grid_.cell_of(at);
+            if (cell < 0 || !mask_.data()[cell]) continue;
+            if (std::abs(grid_.z_m().data()[cell] - at.z) > 0.3f) continue;
+            anchors.push_back({cell, head});
+            break;
+        }
+    }
+    reach_.cut(anchors, upright_m_, certain_, labels_);
+}
+
 std::vector<Blob> PeopleFinder::collect() const {
-    const Image<std::int32_t>& labels = components_.labels();
+    const Image<std::int32_t>& labels = labels_;
     const int width = labels.width(), height = labels.height();
     std::vector<Blob> all(static_cast<std::size_t>(components_.count()));
     const float tangent2 = grid_.cell_tangent() * grid_.cell_tangent();
@@ -131,16 +164,22 @@ std::vector<Blob> PeopleFinder::collect() const {
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             const std::int32_t label = labels.at(x, y);
-            if (label == 0) continue;
+            if (label == 0) {
+                const std::int32_t whole = components_.labels().at(x, y);
+                if (whole != 0) all[static_cast<std::size_t>(whole - 1)].cut = true;
+                continue;
+            }
             const auto cell = static_cast<std::size_t>(y * width + x);
             const float z = grid_.z_m().data()[cell];
             CellPoint c;
             c.cell = static_cast<std::int32_t>(cell);
             c.upright_m = upright_m_[cell];
             c.area_m2 = z * z * tangent2;
-            c.known = !options_.moving_sensor && background_.limit_m(cell) > 0;
+            c.known = certain_.data()[cell] != 0;
             c.changed = changed(cell);
             c.border = y < 2;
+            // `slots_` and `last_m_` are still those of the picture before.
+            c.mine = slots_.data()[cell] != 0 && step_.joins(z, last_m_.data()[cell]);
             const auto side = [&](int u, int v) {
                 if (u < 0 || v < 0 || u >= width || labels.at(u, v) == label) return;
                 const auto other = static_cast<std::size_t>(v * width + u);
@@ -157,8 +196,19 @@ std::vector<Blob> PeopleFinder::collect() const {
             all[static_cast<std::size_t>(label - 1)].cells.push_back(c);
         }
     }
+    const glm::mat3 upright = upright_from_camera(floor_.up);
+    for (const Head& head : head_finder_.heads()) {
+        const std::int32_t label = labels.data()[head.cell];
+        if (label == 0) continue;
+        const glm::vec3 at = upright * head.place_m + glm::vec3(0, floor_.height_m, 0);
+        if (floor_.known() && at.y < options_.person.min_head_top_m) continue;
+        all[static_cast<std::size_t>(label - 1)].heads.push_back({at, head.score});
+    }
     std::erase_if(all, [](const Blob& b) { return b.cells.size() < kFewestCells; });
-    for (Blob& blob : all) blob.measure();
+    for (Blob& blob : all) {
+        blob.drop_knees();
+        blob.measure();
+    }
     return all;
 }
 
@@ -171,6 +221,7 @@ void PeopleFinder::find(const Image<float>& depth_m, TimeNs time,
     floor_ = floor_finder_.find(grid_, direction(specific_force), time);
     mark_foreground(floor_);
     components_.find(grid_.z_m(), mask_, step_);
+    find_heads(time);
     PersonTest test = options_.person;
     test.floor_known = floor_.known();
     tracker_.set_test(test);
@@ -186,11 +237,27 @@ void PeopleFinder::find(const Image<float>& depth_m, TimeNs time,
             seen_.data()[c.cell] = guarded;
         }
     }
+    last_m_ = grid_.z_m();
     remember(time);
     paint(depth_m, out);
     describe(time, out);
-    if (!options_.moving_sensor) background_.learn(grid_.z_m(), seen_, time);
+    if (!options_.moving_sensor) {
+        mark_surroundings(time);
+        background_.learn(grid_.z_m(), seen_, time);
+    }
     out.background_known = options_.moving_sensor ? 0.0f : background_.known_share();
+}
+
+void PeopleFinder::mark_surroundings(TimeNs time) {
+    const std::vector<glm::vec3> heads = tracker_.expected_heads(time);
+    if (heads.empty()) return;
+    for (std::size_t i = 0; i < mask_.size(); ++i) {
+        if (!mask_.data()[i] || seen_.data()[i]) continue;
+        const bool near = std::any_of(heads.begin(), heads.end(), [&](const glm::vec3& head) {
+            return within_reach(head, upright_m_[i]);
+        });
+        if (near) seen_.data()[i] = Background::kNearPerson;
+    }
 }
 
 void PeopleFinder::paint(const Image<float>& depth_m, PeopleFrame& out) {

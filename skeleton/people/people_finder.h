@@ -7,9 +7,11 @@
 #include "base/error.h"
 #include "calibration/rig.h"
 #include "skeleton/people/background.h"
+#include "skeleton/people/body_reach.h"
 #include "skeleton/people/components.h"
 #include "skeleton/people/depth_grid.h"
 #include "skeleton/people/floor_finder.h"
+#include "skeleton/people/head_finder.h"
 #include "skeleton/people/person.h"
 #include "skeleton/people/person_tracker.h"
 
@@ -53,6 +55,8 @@ class PeopleFinder {
     void remember(TimeNs time);
     [[nodiscard]] bool changed(std::size_t cell) const;
     void mark_foreground(const FloorPlane& floor);
+    void find_heads(TimeNs time);
+    void mark_surroundings(TimeNs time);
     [[nodiscard]] std::vector<Blob> collect() const;
     [[nodiscard]] bool in_front(std::size_t cell, float z, float height_m) const;
     void paint(const Image<float>& depth_m, PeopleFrame& out);
@@ -65,11 +69,16 @@ class PeopleFinder {
     FloorFinder floor_finder_;
     PersonTracker tracker_;
     Components components_;
+    HeadFinder head_finder_;
+    BodyReach reach_;
+    Image<std::int32_t> labels_;  // of cells: components, people cut out of what they touch
     SurfaceStep step_;
     FloorPlane floor_;
     Image<float> before_m_;  // of cells, a moment ago
+    Image<float> last_m_;    // of cells, in the picture before
     TimeNs before_time_ = 0;
-    Image<std::uint8_t> mask_, slots_, seen_;  // of cells: foreground, slot, somebody or perhaps
+    // Of cells: foreground, that before a known background, slot, somebody or perhaps.
+    Image<std::uint8_t> mask_, certain_, slots_, seen_;
     std::vector<glm::vec3> upright_m_;
     std::vector<PixelBox> boxes_;
     std::vector<std::int32_t> pixels_;

@@ -16,10 +16,12 @@ namespace kino {
 struct TrackerOptions {
     double keep_s = 3;       ///< an identity is kept so long without being seen
     double confirm_s = 0.1;  ///< somebody new is told of after this long and in two pictures
-    /// Without a background only who moves is told of; whoever has not moved for this long is
-    /// taken for furniture. Not for a moving sensor, which sees everything move.
+    /// Where no background is known, what shows no head must move to be told of, and is taken for
+    /// furniture after `patience_s`; what has a head but has never moved, after `still_s`. Not for
+    /// a moving sensor, which sees everything move.
     bool ask_for_motion = true;
     double patience_s = 5;
+    double still_s = 120;
     float gate_m = 0.45f;    ///< how far from the expected place, at least
     float speed_m_s = 2.5f;  ///< by which the gate grows with the time since last seen
     float max_gate_m = 2.2f;
@@ -36,11 +38,16 @@ struct PersonTrack {
     TimeNs born = 0, seen = 0;
     int sightings = 0;
     glm::vec3 born_at_m{0};
+    glm::vec3 head_m{0};       ///< as last seen
+    TimeNs head_seen = 0;      ///< 0: never
+    float head_hits = 0;       ///< pictures with a head; an unsure one counts less
     int stirs = 0;             ///< pictures in which part of it had changed
     bool moved = false;        ///< has stirred, or has left the place of birth
+    bool doubted = false;      ///< where something was that turned out to be furniture
     std::optional<Blob> blob;  ///< in the present picture
     [[nodiscard]] bool in_front() const { return blob && blob->known > 0.5f; }
     [[nodiscard]] glm::vec3 expected_m(TimeNs time) const;
+    [[nodiscard]] glm::vec3 expected_head_m(TimeNs time) const;
 };
 
 /// Gives blobs to people: constant-velocity prediction, best assignment by distance and size.
@@ -61,21 +68,41 @@ class PersonTracker {
     /// False for what may be furniture and has had its time: it may become background.
     [[nodiscard]] bool protects(const PersonTrack& track, TimeNs time) const;
 
+    /// Upright places of the heads of those who were seen lately, where they should be now.
+    [[nodiscard]] std::vector<glm::vec3> expected_heads(TimeNs time) const;
+
     static constexpr float kCoreM = 0.28f;
 
   private:
-    [[nodiscard]] std::vector<glm::vec3> expectations(TimeNs time) const;
+    /// A head on somebody who already has one: perhaps two people came in as one surface.
+    struct SecondHead {
+        glm::vec3 upright_m{0};
+        TimeNs first = 0, last = 0;
+        int hits = 0;
+    };
+    void note_second_heads(const std::vector<Blob>& blobs, TimeNs time);
+    [[nodiscard]] std::vector<glm::vec3> seeds_in(const Blob& blob, TimeNs time) const;
+    [[nodiscard]] std::vector<char> held_by_tracks(const std::vector<Blob>& blobs,
+                                                   TimeNs time) const;
+    [[nodiscard]] double cost(const PersonTrack& track, const Blob& blob, TimeNs time) const;
+    [[nodiscard]] bool beside_someone(const Blob& blob, TimeNs time) const;
+    void drop_furniture(TimeNs time);
     [[nodiscard]] std::vector<Blob> split_shared(std::vector<Blob> blobs, TimeNs time) const;
     [[nodiscard]] std::vector<Blob> gather(std::vector<Blob> blobs, TimeNs time) const;
     void sight(PersonTrack& track, Blob blob, TimeNs time);
     void begin(Blob blob, TimeNs time);
     void confirm(TimeNs time);
+    [[nodiscard]] float weight(const Blob& blob, const BlobHead& head) const;
     [[nodiscard]] bool proven(const PersonTrack& track) const;
     [[nodiscard]] glm::vec3 upright_of(const glm::vec3& camera) const;
+    [[nodiscard]] glm::vec3 camera_of(const glm::vec3& upright) const;
 
     TrackerOptions options_;
     PersonTest test_;
     std::vector<PersonTrack> tracks_;
+    std::vector<SecondHead> second_heads_;
+    std::vector<glm::vec3> doubted_m_;  // upright
+    TimeNs last_ = 0;                   // the picture before
     glm::mat3 upright_{1};
     float height_m_ = 0;
     std::uint32_t next_id_ = 1;

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/image.h"
+
+namespace kino::test {
+
+/// Depth as a shaded grey picture, thinned to at most `width` columns; labels 1..6 in colours.
+[[nodiscard]] Image<Rgba8> label_picture(const Image<float>& depth_m,
+                                         const Image<std::uint8_t>& labels, int width);
+
+/// Pictures of one size side by side, `columns` a row, on white with a line between.
+[[nodiscard]] Image<Rgba8> contact_sheet(const std::vector<Image<Rgba8>>& pictures, int columns);
+
+}  // namespace kino::test

@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/time.h"
+#include "calibration/rig.h"
+#include "sensor/openers.h"
+#include "sensor/png_io.h"
+#include "sensor/source.h"
+#include "skeleton/people/head_finder.h"
+#include "skeleton/people/people_finder.h"
+#include "tests/skeleton/people/clip_metres.h"
+#include "tests/skeleton/people/eval/label_picture.h"
+#include "tests/skeleton/people/people_scene.h"
+
+namespace kino {
+namespace {
+
+struct Arguments {
+    std::string what, uri, sheet;
+    int every = 12, columns = 6, width = 240, from = 0;
+    bool moving = false, heads = false, metres = false, verbose = false;
+};
+
+void mark_heads(const PeopleFinder& finder, const PeopleFrame& people, Image<Rgba8>& picture) {
+    HeadFinder heads;
+    const DepthGrid& grid = finder.grid();
+    Image<std::uint8_t> mask(grid.width(), grid.height());
+    for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] = grid.z_m().data()[i] > 0;
+    heads.find(grid, mask, people.floor.up);
+    for (const Head& h : heads.heads()) {
+        const int x = (h.cell % grid.width()) * picture.width() / grid.width();
+        const int y = (h.cell / grid.width()) * picture.height() / grid.height();
+        fmt::print("  {:.2f} ({:.1f} {:.1f} {:.1f})", h.score, h.place_m.x, h.place_m.y,
+                   h.place_m.z);
+        const Rgba8 color = h.score >= kSureHead ? Rgba8{255, 0, 0, 255} : Rgba8{255, 255, 0, 255};
+        for (int d = -4; d <= 4; ++d) {
+            if (picture.contains(x + d, y)) picture.at(x + d, y) = color;
+            if (picture.contains(x, y + d)) picture.at(x, y + d) = color;
+        }
+    }
+    fmt::print("\n");
+}
+
+int rooms(const Arguments& a) {
+    std::vector<Image<Rgba8>> pictures;
+    for (int i = 0; i < 12; ++i) {
+        test::RoomOptions room;
+        room.camera_x_m = -0.6 + 0.1 * i;
+        room.tilt_deg = -10 + i;
+        room.width = 640;
+        room.height = 480;
+        test::PeopleScene scene(room);
+        PeopleOptions options;
+        options.moving_sensor = true;
+        auto finder = PeopleFinder::create(scene.rays(), options);
+        PeopleFrame people;
+        for (int k = 0; k < 6; ++k) {
+            scene.draw({}, static_cast<std::uint64_t>(10 * i + k));
+            finder->find(scene.depth_m(), (k + 1) * kNsPerSecond / 30, std::nullopt, people);
+        }
+        fmt::print("room {}: {} people", i, people.people.size());
+        pictures.push_back(test::label_picture(scene.depth_m(), people.labels, a.width));
+        mark_heads(*finder, people, pictures.back());
+    }
+    return write_png_rgba8(a.sheet, test::contact_sheet(pictures, a.columns)) ? 0 : 1;
+}
+
+int run(const Arguments& a) {
+    auto source = open_source(a.uri);
+    if (!source) return std::fprintf(stderr, "%s\n", source.error().to_string().c_str()), 1;
+    if (!subscribe_all(**source)) return 1;
+    auto rig = Rig::create(*(*source)->calibration());
+    if (!rig) return 1;
+    PeopleOptions options;
+    options.moving_sensor = a.moving;
+    auto finder = PeopleFinder::create(rig->depth_rays(), options);
+    RegisteredDepth depth;
+    PeopleFrame people;
+    std::array<int, 8> histogram{};
+    std::map<std::uint32_t, int> ids;
+    std::vector<Image<Rgba8>> pictures;
+    int frames = 0;
+    while (true) {
+        auto set = (*source)->next(0);
+        if (!set || !*set) break;
+        if (!(*set)->depth) continue;
+        if (!rig->register_depth(*(*set)->depth, depth)) return 1;
+        if (a.metres) test::clip_metres(depth.depth_m);
+        if (a.what == "stills") finder->reset();
+        finder->find(depth.depth_m, (*set)->time, std::nullopt, people);
+        if (a.what == "stills")
+            finder->find(depth.depth_m, (*set)->time + 2 * kNsPerSecond / 5, std::nullopt, people);
+        if (std::getenv("DUMP")) {
+            std::FILE* f = std::fopen(fmt::format("/tmp/people/d{:03}.f32", frames).c_str(), "wb");
+            std::fwrite(depth.depth_m.data(), 4, depth.depth_m.size(), f);
+            std::fclose(f);
+        }
+        ++histogram[people.people.size()];
+        for (const Person& p : people.people) ++ids[p.id];
+        if (a.verbose) {
+            fmt::print("frame {} t {:.2f} floor {:.2f} known {:.2f}:", frames,
+                       to_seconds((*set)->time), people.floor.confidence, people.background_known);
+            for (const Person& p : people.people)
+                fmt::print("  #{} at ({:.2f} {:.2f} {:.2f}) area {:.2f} conf {:.2f}", p.id,
+                           p.centroid_m.x, p.centroid_m.y, p.centroid_m.z, p.area_m2, p.confidence);
+            fmt::print("\n");
+        }
+        if (frames >= a.from && (frames - a.from) % a.every == 0) {
+            pictures.push_back(test::label_picture(depth.depth_m, people.labels, a.width));
+            if (a.heads) mark_heads(*finder, people, pictures.back());
+        }
+        ++frames;
+    }
+    fmt::print("{} frames; people in a frame:", frames);
+    for (std::size_t n = 0; n < histogram.size(); ++n)
+        fmt::print(" {}: {:.1f} %", n, 100.0 * histogram[n] / std::max(frames, 1));
+    fmt::print("\nframes of each id:");
+    for (const auto& [id, n] : ids) fmt::print(" #{}: {}", id, n);
+    fmt::print("\n");
+    if (!a.sheet.empty()) {
+        const auto written =
+            write_png_rgba8(a.sheet, test::contact_sheet(pictures, a.columns), {.compression = 9});
+        if (!written) return std::fprintf(stderr, "%s\n", written.error().to_string().c_str()), 1;
+    }
+    return 0;
+}
+
+}  // namespace
+}  // namespace kino
+
+int main(int argc, char** argv) {
+    kino::Arguments a;
+    if (argc < 3) return std::fprintf(stderr, "people_eval clip|stills SOURCE [...]\n"), 2;
+    a.what = argv[1];
+    a.uri = argv[2];
+    for (int i = 3; i < argc; ++i) {
+        const std::string word = argv[i];
+        const auto next = [&] { return i + 1 < argc ? std::string(argv[++i]) : std::string(); };
+        if (word == "--sheet") a.sheet = next();
+        if (word == "--every") a.every = std::max(1, std::atoi(next().c_str()));
+        if (word == "--from") a.from = std::atoi(next().c_str());
+        if (word == "--columns") a.columns = std::max(1, std::atoi(next().c_str()));
+        if (word == "--width") a.width = std::max(16, std::atoi(next().c_str()));
+        if (word == "--metres") a.metres = true;
+        if (word == "--heads") a.heads = true;
+        if (word == "--moving") a.moving = true;
+        if (word == "--verbose") a.verbose = true;
+    }
+    return a.what == "rooms" ? kino::rooms(a) : kino::run(a);
+}
