@@ -22,5 +22,7 @@ using Command = std::function<int()>;
 [[nodiscard]] Command add_bench(CLI::App& parent);
 /// Likewise kinoscope-train.
 [[nodiscard]] Command add_train(CLI::App& parent);
+/// As add_bench: kinoscope-calibrate.
+[[nodiscard]] Command add_calibrate(CLI::App& parent);
 
 }  // namespace kino

@@ -51,6 +51,12 @@ Command add_bench(CLI::App& parent) {
                        "it is built with the tests: cmake --preset release");
 }
 
+Command add_calibrate(CLI::App& parent) {
+    return add_program(
+        parent, "calibrate", "finds the cameras of a sensor from pictures of a board",
+        "it is built where libceres-dev, libopencv-dev and libopencv-contrib-dev are");
+}
+
 Command add_train(CLI::App& parent) {
     return add_program(parent, "train", "trains the forest of body parts", "build or install it");
 }
