@@ -43,13 +43,16 @@ void ArmGestures::wave(const HandSample& hand, bool alone, const WaveDefinition&
                        std::vector<Sighting>& out) {
     if (!alone || hand.place.y < d.hand_above_elbow) {
         direction_ = 0;
-        reversals_s_.clear();
+        reversals_.clear();
         turn_x_ = hand.place.x;
         return;
     }
     const double x = hand.place.x;
+    while (!reversals_.empty() && hand.time_s - reversals_.front().time_s > d.window_s)
+        reversals_.pop_front();
     if (direction_ == 0) {
         if (std::abs(x - turn_x_) >= d.min_swing) {
+            from_x_ = turn_x_;
             direction_ = x > turn_x_ ? 1 : -1;
             turn_x_ = x;
             turn_s_ = hand.time_s;
@@ -63,14 +66,19 @@ void ArmGestures::wave(const HandSample& hand, bool alone, const WaveDefinition&
     }
     if (std::abs(x - turn_x_) < d.min_swing) return;
     direction_ = -direction_;
-    reversals_s_.push_back(turn_s_);
+    reversals_.push_back({turn_s_, std::abs(turn_x_ - from_x_)});
+    from_x_ = turn_x_;
     turn_x_ = x;
-    while (!reversals_s_.empty() && hand.time_s - reversals_s_.front() > d.window_s)
-        reversals_s_.pop_front();
-    if (static_cast<double>(reversals_s_.size()) < d.reversals) return;
-    if (hand.time_s >= wave_ready_s_)
-        out.push_back({GestureKind::wave, GesturePhase::once, hand_of(side_), reversals_s_.front(),
-                       0.5 + (d.window_s - (hand.time_s - reversals_s_.front())) / d.window_s});
+    const auto large = std::count_if(reversals_.begin(), reversals_.end(),
+                                     [&](const Reversal& r) { return r.swing >= d.large_swing; });
+    if (static_cast<double>(reversals_.size()) < d.reversals &&
+        static_cast<double>(large) < d.large_reversals)
+        return;
+    if (hand.time_s >= wave_ready_s_) {
+        const double first_s = reversals_.front().time_s;
+        out.push_back({GestureKind::wave, GesturePhase::once, hand_of(side_), first_s,
+                       0.5 + (d.window_s - (hand.time_s - first_s)) / d.window_s});
+    }
     // While it goes on it is the same wave.
     wave_ready_s_ = hand.time_s + d.cooldown_s;
 }

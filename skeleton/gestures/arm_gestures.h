@@ -28,6 +28,8 @@ class ArmGestures {
     void update(const BodyView& view, const GestureDefinitions& definitions,
                 std::vector<Sighting>& out);
     void reset();
+    /// The hand goes to and fro: what may become a wave is no raised hand.
+    [[nodiscard]] bool waving() const { return reversals_.size() >= 2; }
     /// The hand has just made a gesture: resting where it is now is no dwell.
     void calm_dwell() { dwelled_ = true; }
 
@@ -44,8 +46,12 @@ class ArmGestures {
 
     double turn_x_ = 0, turn_s_ = 0;  // the furthest place since the last turning point
     int direction_ = 0;
-    std::deque<double> reversals_s_;
-    double least_swing_ = 0, wave_ready_s_ = -1e9, stroke_ready_s_ = -1e9;
+    double from_x_ = 0;  // the turning point before
+    struct Reversal {
+        double time_s = 0, swing = 0;  // swing: the way to it
+    };
+    std::deque<Reversal> reversals_;
+    double wave_ready_s_ = -1e9, stroke_ready_s_ = -1e9;
 
     bool dwelling_ = false, dwelled_ = false;
     glm::dvec3 dwell_at_{0};
@@ -55,15 +61,21 @@ class ArmGestures {
 /// Raising of one or both hands, and the T-pose.
 class PoseGestures {
   public:
-    void update(const BodyView& view, const GestureDefinitions& definitions,
-                std::vector<Sighting>& out);
+    /// `waving`: of the left and the right arm, ArmGestures::waving().
+    void update(const BodyView& view, const std::array<bool, 2>& waving,
+                const GestureDefinitions& definitions, std::vector<Sighting>& out);
     void reset() { *this = {}; }
 
   private:
-    void raise(const BodyView& view, const RaiseDefinition& d, std::vector<Sighting>& out);
+    void raise(const BodyView& view, const std::array<bool, 2>& waving, const RaiseDefinition& d,
+               std::vector<Sighting>& out);
     void t_pose(const BodyView& view, const TPoseDefinition& d, std::vector<Sighting>& out);
 
+    /// The hand has been up for long enough, and calm.
+    [[nodiscard]] bool held(const BodyView& view, std::size_t side, const RaiseDefinition& d) const;
+
     std::array<bool, 2> up_{}, told_{};
+    std::array<std::deque<std::pair<double, glm::dvec3>>, 2> way_;  // while up, the last hold_s
     std::array<double, 2> since_s_{};
     bool told_both_ = false;
     double raise_ready_s_ = -1e9;

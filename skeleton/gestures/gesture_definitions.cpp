@@ -25,6 +25,8 @@ void each_number(D& d, F f) {
     auto& w = d.wave;
     f("wave", "min_swing", w.min_swing, 0.02, 2);
     f("wave", "reversals", w.reversals, 2, 20);
+    f("wave", "large_swing", w.large_swing, 0.02, 3);
+    f("wave", "large_reversals", w.large_reversals, 2, 20);
     f("wave", "window_s", w.window_s, 0.2, 10);
     f("wave", "hand_above_elbow", w.hand_above_elbow, -1, 1);
     f("wave", "cooldown_s", w.cooldown_s, 0, 60);
@@ -49,6 +51,8 @@ void each_number(D& d, F f) {
     f("raise", "hand_above_head", r.hand_above_head, -1, 1);
     f("raise", "release_above_head", r.release_above_head, -1, 1);
     f("raise", "elbow_above_shoulder", r.elbow_above_shoulder, -1, 1);
+    f("raise", "max_aside", r.max_aside, 0.1, 2);
+    f("raise", "max_stir", r.max_stir, 0.05, 4);
     f("raise", "hold_s", r.hold_s, 0, 10);
     f("raise", "cooldown_s", r.cooldown_s, 0, 60);
     auto& two = d.two_hand;

@@ -21,6 +21,8 @@ struct TrackingDefinition {
 struct WaveDefinition {
     double min_swing = 0.15;  ///< between turning points, hand against elbow, along x
     double reversals = 4;
+    double large_swing = 0.45;   ///< where every swing is at least this
+    double large_reversals = 3;  ///< so many are enough
     double window_s = 2.0;
     double hand_above_elbow = 0.15;
     double cooldown_s = 1.5;
@@ -46,8 +48,10 @@ struct PushDefinition {
 };
 struct RaiseDefinition {
     double hand_above_head = 0.1, release_above_head = -0.1;
-    double elbow_above_shoulder = 0.15;
-    double hold_s = 0.5;
+    double elbow_above_shoulder = 0.3;
+    double max_aside = 0.5;  ///< of the hand from its shoulder, along x
+    double max_stir = 0.3;   ///< of the hand from where it is, during the last hold_s
+    double hold_s = 0.6;
     double cooldown_s = 0.7;
 };
 struct TwoHandDefinition {

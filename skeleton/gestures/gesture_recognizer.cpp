@@ -94,7 +94,8 @@ void GestureRecognizer::observe(Person& person, const Body& body, double time_s,
         return;
     }
     for (ArmGestures& arm : person.arms) arm.update(*view, definitions_, out);
-    person.poses.update(*view, definitions_, out);
+    const std::array<bool, 2> waving = {person.arms[0].waving(), person.arms[1].waving()};
+    person.poses.update(*view, waving, definitions_, out);
     person.two_hands.update(*view, definitions_.two_hand, out);
     if (view->arm_seen[0] && view->arm_seen[1]) {
         auto& samples = person.path.samples;

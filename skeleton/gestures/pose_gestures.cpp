@@ -7,31 +7,56 @@
 
 namespace kino {
 
-void PoseGestures::update(const BodyView& view, const GestureDefinitions& d,
-                          std::vector<Sighting>& out) {
-    if (view.head_seen) raise(view, d.raise, out);
+namespace {
+
+bool raised(const BodyView& view, std::size_t side, const RaiseDefinition& d) {
+    const glm::dvec3 hand = view.hand[side];
+    const double aside = std::abs(hand.x - view.shoulder[side].x);
+    const double elbow = view.elbow[side].y - view.shoulder[side].y;
+    return hand.y - view.head.y > d.hand_above_head && elbow > d.elbow_above_shoulder &&
+           aside < d.max_aside;
+}
+
+}  // namespace
+
+void PoseGestures::update(const BodyView& view, const std::array<bool, 2>& waving,
+                          const GestureDefinitions& d, std::vector<Sighting>& out) {
+    if (view.head_seen) raise(view, waving, d.raise, out);
     t_pose(view, d.t_pose, out);
 }
 
-void PoseGestures::raise(const BodyView& view, const RaiseDefinition& d,
-                         std::vector<Sighting>& out) {
+bool PoseGestures::held(const BodyView& view, std::size_t side, const RaiseDefinition& d) const {
+    if (!up_[side] || view.time_s - since_s_[side] < d.hold_s) return false;
+    return std::all_of(way_[side].begin(), way_[side].end(), [&](const auto& place) {
+        return glm::distance(place.second, view.hand[side]) <= d.max_stir;
+    });
+}
+
+void PoseGestures::raise(const BodyView& view, const std::array<bool, 2>& waving,
+                         const RaiseDefinition& d, std::vector<Sighting>& out) {
     std::array<double, 2> height{};
     for (std::size_t side = 0; side < 2; ++side) {
         if (!view.arm_seen[side]) continue;
         height[side] = view.hand[side].y - view.head.y;
-        const double elbow = view.elbow[side].y - view.shoulder[side].y;
-        if (!up_[side] && height[side] > d.hand_above_head && elbow > d.elbow_above_shoulder) {
+        if (!up_[side] && raised(view, side, d)) {
             up_[side] = true;
             since_s_[side] = view.time_s;
+            way_[side].clear();
         } else if (up_[side] && height[side] < d.release_above_head) {
             up_[side] = told_[side] = told_both_ = false;
+        } else if (!told_[side] && !raised(view, side, d)) {
+            up_[side] = false;
         }
+        if (!up_[side]) continue;
+        way_[side].emplace_back(view.time_s, view.hand[side]);
+        while (way_[side].front().first < view.time_s - d.hold_s) way_[side].pop_front();
     }
-    const auto held = [&](std::size_t side) {
-        return up_[side] && view.time_s - since_s_[side] >= d.hold_s;
+    const auto is_held = [&](std::size_t side) {
+        return !told_[side] && !waving[side] && held(view, side, d);
     };
     if (view.time_s < raise_ready_s_) return;
-    const bool first = (held(0) && !told_[0]) || (held(1) && !told_[1]);
+    const std::array<bool, 2> now = {is_held(0), is_held(1)};
+    const bool first = now[0] || now[1];
     // Two hands on the way up together are one gesture even if one is a little later.
     if (up_[0] && up_[1]) {
         if (told_both_ || !first) return;
@@ -39,7 +64,7 @@ void PoseGestures::raise(const BodyView& view, const RaiseDefinition& d,
         out.push_back({GestureKind::raise_both, GesturePhase::once, Hand::both,
                        std::min(since_s_[0], since_s_[1]), std::min(height[0], height[1]) * 2});
     } else if (first) {
-        const std::size_t side = held(0) && !told_[0] ? 0 : 1;
+        const std::size_t side = now[0] ? 0 : 1;
         told_[side] = true;
         out.push_back({GestureKind::raise, GesturePhase::once, side == 0 ? Hand::left : Hand::right,
                        since_s_[side], height[side] * 2});
