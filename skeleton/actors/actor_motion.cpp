@@ -6,6 +6,7 @@
 #include "skeleton/actors/actor_sequence.h"
 #include "skeleton/actors/pose_library.h"
 #include "skeleton/actors/recorded_motion.h"
+#include "skeleton/actors/scripted_motion.h"
 #include "skeleton/synthetic/motion.h"
 
 namespace kino {
@@ -58,7 +59,7 @@ class WanderMotion : public ActorMotion {
         }
     }
     [[nodiscard]] int frames() const override { return kFrames; }
-    [[nodiscard]] bool seated() const override { return stance_ == Stance::sitting; }
+    [[nodiscard]] ActorProps props() const override { return {.seat = stance_ == Stance::sitting}; }
     [[nodiscard]] ActorPose pose(int frame) const override {
         const double t = frame / kActorRateHz;
         std::size_t next = 1;
@@ -90,6 +91,7 @@ class WanderMotion : public ActorMotion {
 std::vector<std::string> actor_motions() {
     std::vector<std::string> names = {"arms", "wander", "sit", "crouch", "bend"};
     for (const Motion motion : all_motions()) names.emplace_back(motion_name(motion));
+    names.insert(names.end(), scripted_motions().begin(), scripted_motions().end());
     for (const BuiltInRecording& recording : built_in_recordings()) {
         names.emplace_back(recording.name);
     }
@@ -113,6 +115,7 @@ Result<std::shared_ptr<const ActorMotion>> make_actor_motion(const std::string& 
         return std::make_shared<LoopMotion>(*motion,
                                             seed % 2 == 0 ? 0 : random.in(0, kMotionPeriodS));
     }
+    if (auto scripted = scripted_motion(name, random.bits())) return scripted;
     if (auto recorded = built_in_motion(name)) return recorded;
     if (name.starts_with("log:")) {
         KINO_ASSIGN(const JointRecording recording, read_joint_recording(name.substr(4)));

@@ -10,6 +10,14 @@
 
 namespace kino {
 
+/// What a motion needs on its stage.
+struct ActorProps {
+    bool seat = false;
+    bool box = false;      ///< in both hands
+    bool wall = false;     ///< at the left hand
+    bool partner = false;  ///< a second actor plays the same from the other side
+};
+
 /// A motion without a body, 30 poses a second, starting at about the world's origin and facing
 /// about +z.
 class ActorMotion {
@@ -17,7 +25,7 @@ class ActorMotion {
     virtual ~ActorMotion() = default;
     [[nodiscard]] virtual int frames() const = 0;
     [[nodiscard]] virtual ActorPose pose(int frame) const = 0;
-    [[nodiscard]] virtual bool seated() const { return false; }
+    [[nodiscard]] virtual ActorProps props() const { return {}; }
 };
 constexpr double kActorRateHz = 30;
 

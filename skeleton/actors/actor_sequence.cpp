@@ -42,6 +42,16 @@ const char* random_motion(ActorRandom& random) {
                          : "dance";
 }
 
+// As wide as the hands are apart.
+Primitive box_between_hands(const PosedBones& bones) {
+    const dvec3 left = bones.joint_m[static_cast<std::size_t>(Joint::hand_left)],
+                right = bones.joint_m[static_cast<std::size_t>(Joint::hand_right)];
+    const glm::dmat3& chest = bones.turn[bone_index(ActorBone::chest)];
+    return box((left + right) / 2.0 + chest[2] * 0.05,
+               {std::max(0.05, glm::distance(left, right) / 2 - 0.03), 0.17, 0.14}, kPartThing,
+               Material::wood, chest);
+}
+
 class StagedSequence : public ActorSequence {
   public:
     explicit StagedSequence(const ActorTake& take)
@@ -77,8 +87,9 @@ Result<void> StagedSequence::stage() {
     for (int i = 0; i < take_.actors; ++i) {
         Player player;
         player.body = make_actor_body(random_look(random.bits()));
+        const bool partner = i == 1 && players_[0].motion->props().partner;
         const std::string name =
-            i == 0 && !take_.motion.empty() ? take_.motion : random_motion(random);
+            partner || (i == 0 && !take_.motion.empty()) ? take_.motion : random_motion(random);
         // An even seed: the named motion from its beginning.
         const std::uint64_t seed = i == 0 ? random.bits() & ~std::uint64_t{1} : random.bits();
         KINO_ASSIGN(player.motion, make_actor_motion(name, seed));
@@ -90,6 +101,11 @@ Result<void> StagedSequence::stage() {
             player.yaw_rad = random.normal(0, 0.6);
             const double side = (i % 2 == 0 ? -1.0 : 1.0) * random.in(0.6, 1.1);
             player.place_m += glm::dvec2(side, random.in(-0.5, 0.6));
+        }
+        if (partner) {
+            player.yaw_rad = players_[0].yaw_rad + M_PI;
+            player.place_m =
+                players_[0].place_m - glm::dvec2(0, take_.motion == "cross" ? 0.6 : 0.0);
         }
         player.pose(0);
         players_.push_back(std::move(player));
@@ -115,8 +131,20 @@ void StagedSequence::furnish(ActorRandom& random, double distance) {
     std::vector<Primitive> solids;
     const double back = -distance - random.in(0.9, 2.5), side = random.in(1.6, 3.0);
     add_room(-side, side * random.in(0.8, 1.2), back, 0.8, random.in(2.4, 3.0), solids);
+    if (players_.front().motion->props().wall) {
+        Player& first = players_.front();
+        double reach = -10;
+        for (int k = 0; k < 10; ++k) {
+            first.pose(first.motion->frames() * k / 10);
+            const dvec3 hand = first.bones.joint_m[static_cast<std::size_t>(Joint::hand_left)];
+            reach = std::max(reach, hand.x);
+        }
+        first.pose(0);
+        solids.push_back(
+            box({reach + 0.125, 1.2, -distance}, {0.10, 1.5, 1.2}, kPartThing, Material::wall));
+    }
     for (const Player& player : players_) {
-        if (!player.motion->seated()) continue;
+        if (!player.motion->props().seat) continue;
         const double seat = seat_height(player.body, player.posed);
         const dvec3 hip = player.bones.joint_m[0];
         if (seat > 0.15) add_chair(random, hip, player.bones.turn[0][2], seat, solids);
@@ -135,7 +163,14 @@ void StagedSequence::furnish(ActorRandom& random, double distance) {
                 add_thing(random, at, solids);
             }
         }
-        if (players_.front().motion->seated() && random.chance(0.3)) {
+        // Now and then something stands before the first, beside the middle.
+        if (random.chance(0.2)) {
+            const double s = random.chance(0.5) ? 1 : -1, t = random.in(0.45, 0.75);
+            add_thing(random,
+                      {players_.front().place_m.x * t + s * random.in(0.35, 0.6), 0, -distance * t},
+                      solids);
+        }
+        if (players_.front().motion->props().seat && random.chance(0.3)) {
             add_table(random, {players_.front().place_m.x, 0, -distance + 0.75}, 0, solids);
         }
     }
@@ -160,6 +195,10 @@ void StagedSequence::render(int index, ActorFrame& out) {
             player.pose((index - lead_in_) % player.motion->frames());
             to_view(view_from_world_, player.posed);
             canvas_.draw(player.body, player.posed, static_cast<int>(i) + 1);
+            if (player.motion->props().box) {
+                const Primitive held = moved(box_between_hands(player.bones), view_from_world_);
+                canvas_.draw({&held, 1}, kSceneId);
+            }
         }
         std::vector<char> seen(players_.size() + 1, 0);
         for (const std::int32_t id : canvas_.id().pixels())

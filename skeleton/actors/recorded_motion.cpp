@@ -90,7 +90,7 @@ class RecordedMotion : public ActorMotion {
         origin_m_ = (lo + hi) / 2.0;
     }
     [[nodiscard]] int frames() const override { return static_cast<int>(joints_.size()); }
-    [[nodiscard]] bool seated() const override { return seated_; }
+    [[nodiscard]] ActorProps props() const override { return {.seat = seated_}; }
     [[nodiscard]] ActorPose pose(int frame) const override {
         const Joints& joints = joints_[static_cast<std::size_t>(frame)];
         ActorPose pose = actor_pose(joints, floor_m_);

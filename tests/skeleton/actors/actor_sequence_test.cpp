@@ -94,7 +94,9 @@ TEST_P(Motions, AreTakesOfPeople) {
             EXPECT_NEAR(now, length[j], 1e-3) << joint_name(static_cast<Joint>(j));
         }
     }
-    EXPECT_GT(tracked, 0.55 * joints);
+    // Seen from the side, the trunk hides an arm and often a leg: a third of the joints.
+    const bool side_on = GetParam() == "sideways" || GetParam() == "lie" || GetParam() == "cross";
+    EXPECT_GT(tracked, (side_on ? 0.45 : 0.55) * joints);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Motions, testing::ValuesIn(actor_motions()));
@@ -108,6 +110,33 @@ INSTANTIATE_TEST_SUITE_P(Logs, Motions,
                                          "log:tests/data/motion/multitrack-4-3.csv",
                                          "log:tests/data/motion/multitrack-24-0.csv",
                                          "log:tests/data/motion/multitrack-24-1.csv"));
+
+TEST(ActorSequence, PartnersMeet) {
+    ActorFrame frame;
+    for (const std::string name : {"cross", "hug"}) {
+        const auto sequence = make({.seed = 2, .motion = name, .actors = 2, .furniture = false});
+        float nearest = 9, farthest = 0;
+        for (int i = 0; i < 300; i += 6) {
+            sequence->render(i, frame);
+            if (frame.truth.bodies.size() < 2) continue;
+            const glm::vec3 a = frame.truth.bodies[0][Joint::spine].position_m,
+                            b = frame.truth.bodies[1][Joint::spine].position_m;
+            nearest = std::min(nearest, std::abs(a.x - b.x));
+            farthest = std::max(farthest, std::abs(a.x - b.x));
+        }
+        EXPECT_LT(nearest, name == "hug" ? 0.5f : 0.2f) << name;
+        EXPECT_GT(farthest, 1.2f) << name;
+    }
+}
+
+TEST(ActorSequence, SomebodyEntersAndLeaves) {
+    const auto sequence = make({.seed = 2, .motion = "enter"});
+    ActorFrame frame;
+    for (const auto& [index, people] : {std::pair(0, 0), std::pair(150, 1), std::pair(299, 0)}) {
+        sequence->render(index, frame);
+        EXPECT_EQ(frame.truth.bodies.size(), static_cast<std::size_t>(people)) << index;
+    }
+}
 
 TEST(ActorSequence, ShowsTheEmptyRoomFirst) {
     const ActorTake take{.seed = 9, .motion = "arms", .lead_in_s = 1};
