@@ -24,7 +24,7 @@ constexpr int kWrongUsage = 2;
 
 struct Options {
     std::string out;
-    std::int64_t images = 20000;
+    std::int64_t images = 40000;
     ForestTraining training;
 };
 
@@ -33,19 +33,20 @@ ForestTraining shipped_training() {
     ForestTraining t;
     t.trees = 3;
     t.depth = 20;
-    t.pixels_per_image = 800;
+    t.pixels_per_image = 500;
     t.balanced_share = 0.5;
-    t.leaf_pixels_per_image = 1 << 20;
-    t.leaf_balanced_share = 0;
-    t.features = 500;
-    t.deep_features = 250;
+    t.leaf_pixels_per_image = 5000;
+    t.leaf_balanced_share = 0.2;
+    t.features = 400;
+    t.deep_features = 160;
     t.deep_level = 11;
     t.thresholds = 31;
     t.reach_mm = 700;
     t.threshold_range_mm = 500;
-    t.node_samples = 60000;
+    t.node_samples = 50000;
     t.min_samples = 24;
-    t.max_leaves = 120000;
+    t.max_leaves = 110000;
+    t.min_votes = 3;
     return t;
 }
 
@@ -121,6 +122,8 @@ void add_options(CLI::App& app, Options& options) {
     app.add_option("--min-samples", t.min_samples, "a node with fewer pixels is not split")
         ->capture_default_str();
     app.add_option("--max-leaves", t.max_leaves, "leaves of a tree after pruning; 0: all")
+        ->capture_default_str();
+    app.add_option("--min-votes", t.min_votes, "labels with fewer of a leaf's 255 votes get none")
         ->capture_default_str();
     app.add_option("--seed", t.seed, "of the pictures and the trees")->capture_default_str();
     app.add_option("--threads", t.threads, "they change the time only")->capture_default_str();

@@ -212,14 +212,23 @@ class TreeTrainer {
         ForestTree tree = breadth_first(nodes_, 0);
         for (ForestNode& node : tree.nodes) {
             if (!node.is_leaf()) continue;
-            const LabelDistribution row = quantized_distribution(
-                counts_[static_cast<std::size_t>(node.leaf)].data(), static_cast<int>(labels_));
+            const LabelDistribution row = votes(counts_[static_cast<std::size_t>(node.leaf)]);
             const auto [at, fresh] =
                 known.emplace(key(row), static_cast<std::int32_t>(forest.distributions.size()));
             if (fresh) forest.distributions.push_back(row);
             node.leaf = at->second;
         }
         forest.trees.push_back(std::move(tree));
+    }
+
+    [[nodiscard]] LabelDistribution votes(Counts counts) const {
+        const auto total = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+        const std::uint64_t most = *std::max_element(counts.begin(), counts.end());
+        for (std::uint64_t& c : counts)
+            if (c < most &&
+                c * kForestVotes < static_cast<std::uint64_t>(training_.min_votes) * total)
+                c = 0;
+        return quantized_distribution(counts.data(), static_cast<int>(labels_));
     }
 
     static std::string key(const LabelDistribution& row) { return {row.begin(), row.end()}; }
@@ -257,6 +266,7 @@ std::string training_defect(const ForestTraining& t) {
     if (!(t.leaf_balanced_share >= 0 && t.leaf_balanced_share <= 1))
         return "balanced share of the leaves is not in 0..1";
     if (t.deep_features < 0 || t.deep_features > 100000) return "deep features must be 0 to 100000";
+    if (t.min_votes < 0 || t.min_votes > kForestVotes) return "least votes must be 0 to 255";
     if (t.node_samples < 1) return "a node needs samples to be split by";
     if (t.note.size() > 65535) return "the note is too long";
     return {};

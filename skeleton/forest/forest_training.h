@@ -49,6 +49,8 @@ struct ForestTraining {
     std::size_t node_samples = 100000;
     /// Leaves of each tree; the splits that tell least are taken back. 0: no limit.
     std::size_t max_leaves = 0;
+    /// Labels with less than so many of a leaf's 255 votes get none, which shortens the file.
+    int min_votes = 0;
 
     std::string note;  ///< for the file
     std::function<void(const TrainingProgress&)> progress;

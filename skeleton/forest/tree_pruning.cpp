@@ -53,4 +53,41 @@ void prune_tree(std::vector<ForestNode>& nodes,
     }
 }
 
+Forest shallower(const Forest& forest, int depth) {
+    KINO_CHECK(depth >= 0 && forest_defect(forest).empty());
+    const int labels = static_cast<int>(forest.labels.size());
+    Forest out = forest;
+    for (ForestTree& tree : out.trees) {
+        // Children come after their parents.
+        std::vector<int> level(tree.nodes.size(), 0);
+        for (std::size_t i = 0; i < level.size(); ++i)
+            if (const ForestNode& n = tree.nodes[i]; !n.is_leaf())
+                level[static_cast<std::size_t>(n.child)] =
+                    level[static_cast<std::size_t>(n.child) + 1] = level[i] + 1;
+        // Votes of each node in 2^-kForestMaxDepth.
+        std::vector<std::vector<std::uint64_t>> votes(tree.nodes.size());
+        for (std::size_t i = votes.size(); i-- > 0;) {
+            ForestNode& n = tree.nodes[i];
+            if (level[i] < depth) continue;
+            std::vector<std::uint64_t>& sum = votes[i];
+            sum.assign(static_cast<std::size_t>(labels), 0);
+            if (n.is_leaf()) {
+                const auto& row = out.distributions[static_cast<std::size_t>(n.leaf)];
+                for (std::size_t l = 0; l < sum.size(); ++l)
+                    sum[l] = static_cast<std::uint64_t>(row[l]) << kForestMaxDepth;
+                continue;
+            }
+            for (const std::int32_t child : {n.child, n.child + 1})
+                for (std::size_t l = 0; l < sum.size(); ++l)
+                    sum[l] += votes[static_cast<std::size_t>(child)][l] / 2;
+            if (level[i] > depth) continue;
+            n = ForestNode{};
+            n.leaf = static_cast<std::int32_t>(out.distributions.size());
+            out.distributions.push_back(quantized_distribution(sum.data(), labels));
+        }
+        tree = breadth_first(tree.nodes, 0);
+    }
+    return out;
+}
+
 }  // namespace kino

@@ -15,4 +15,9 @@ namespace kino {
 void prune_tree(std::vector<ForestNode>& nodes,
                 const std::vector<std::vector<std::uint64_t>>& counts, std::size_t max_leaves);
 
+/// The forest cut off below `depth` >= 0 levels of splits. A leaf in the place of a subtree votes
+/// as the mean of its leaves, each counted half as much a level further down: how often they were
+/// reached is not kept in a forest.
+[[nodiscard]] Forest shallower(const Forest& forest, int depth);
+
 }  // namespace kino

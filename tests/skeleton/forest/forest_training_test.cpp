@@ -406,6 +406,49 @@ TEST(TreePruning, AForestKeepsToItsLeavesAndMostOfItsAccuracy) {
 }
 
 // What the trainer walks and what the labeller walks must be the same thing.
+TEST(TreePruning, AShallowerForestVotesAsTheMeanOfItsLeaves) {
+    const Forest forest = test::random_forest(5, 3, 2, 6);
+    EXPECT_EQ(shallower(forest, 6).trees, forest.trees);
+    for (int depth = 0; depth < 6; ++depth) {
+        const Forest cut = shallower(forest, depth);
+        ASSERT_EQ(forest_defect(cut), "");
+        for (const ForestTree& tree : cut.trees) EXPECT_LE(tree_depth(tree), depth);
+    }
+    const Forest stump = shallower(forest, 0);
+    std::array<double, 3> mean{};
+    const auto& nodes = forest.trees[0].nodes;
+    std::vector<double> weight(nodes.size(), 1);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].is_leaf()) {
+            for (int side = 0; side < 2; ++side)
+                weight[static_cast<std::size_t>(nodes[i].child + side)] = weight[i] / 2;
+            continue;
+        }
+        for (std::size_t l = 0; l < 3; ++l)
+            mean[l] += weight[i] * forest.distributions[static_cast<std::size_t>(nodes[i].leaf)][l];
+    }
+    const auto leaf = static_cast<std::size_t>(stump.trees[0].nodes[0].leaf);
+    for (std::size_t l = 0; l < 3; ++l) EXPECT_NEAR(stump.distributions[leaf][l], mean[l], 1.0);
+}
+
+TEST(ForestTraining, RareLabelsOfALeafGetNoVotesIfSoAsked) {
+    const Balls balls(10);
+    ForestTraining training = small_training();
+    const Forest all = train_forest(balls, training).value();
+    training.min_votes = 20;
+    const Forest few = train_forest(balls, training).value();
+    const auto least = [](const Forest& forest) {
+        int votes = kForestVotes;
+        for (const LabelDistribution& row : forest.distributions)
+            for (const std::uint8_t v : row)
+                if (v > 0) votes = std::min<int>(votes, v);
+        return votes;
+    };
+    EXPECT_LT(least(all), 10);
+    EXPECT_GE(least(few), 20);
+    EXPECT_LT(forest_to_bytes(few).size(), forest_to_bytes(all).size());
+}
+
 TEST(TrainingSet, RespondsAsTheLabellerDoes) {
     const Balls balls(3);
     const Forest forest = test::random_forest(21, 4, 1, 8);

@@ -103,6 +103,32 @@ TEST(PclForest, RefusesWhatIsNotATree) {
     EXPECT_EQ(error_of("1 1 2 3 4 5 0 24 0"), "there is more after the last label");
 }
 
+// Three pixels in a row. The trees disagree about the middle one; what is near it in depth decides,
+// and what is not has no say.
+TEST(PclForest, TiesAreSettledByThePixelsAround) {
+    Image<std::uint16_t> depth(3, 1);
+    Image<std::uint8_t> mask(3, 1, 1);
+    const auto settled = [&](std::uint16_t left, std::uint16_t right) {
+        depth.at(0, 0) = left;
+        depth.at(1, 0) = 1000;
+        depth.at(2, 0) = right;
+        BodyDepth body;
+        body.set(std::as_const(depth).view(), std::as_const(mask).view(), 1, 500);
+        PartLabels labels;
+        labels.label = {7, 5, 6};
+        labels.votes = {765, 255, 765};
+        labels.leaf = {{7, 5, 6}, {7, 6, 6}, {7, 7, 6}};
+        settle_pcl_ties(body, labels);
+        EXPECT_EQ(labels.label[0], 7);
+        EXPECT_EQ(labels.label[2], 6);
+        return static_cast<int>(labels.label[1]);
+    };
+    EXPECT_EQ(settled(1049, 1050), 7);
+    EXPECT_EQ(settled(950, 951), 6);
+    EXPECT_EQ(settled(1049, 1049), 6);  // again equal: the lowest
+    EXPECT_EQ(settled(1050, 950), 5);
+}
+
 TEST(PclForest, ReadsFiles) {
     const test::TempDir dir;
     const std::vector<std::filesystem::path> paths{dir.write("a", "1 1 2 3 4 5 0 24"),
