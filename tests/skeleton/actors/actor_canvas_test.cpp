@@ -185,6 +185,23 @@ TEST(ActorTruth, SaysWhatIsSeen) {
     for (const Joint j : {Joint::knee_left, Joint::foot_right, Joint::ankle_left}) {
         EXPECT_EQ(behind[j].state, JointState::inferred);
     }
+    // Another person close before: what is seen there is not the one behind.
+    const Posed back = posed_at({}, standing, {0, -2.6}, view_from_world),
+                front = posed_at({}, standing, {0, -2.45}, view_from_world);
+    canvas.clear(canvas.whole(), 6);
+    canvas.draw(back.body, back.view, 1);
+    canvas.draw(front.body, front.view, 2);
+    for (const Joint j : {Joint::spine, Joint::head, Joint::knee_left}) {
+        EXPECT_EQ(actor_truth(back.bones, view_from_world, 1, canvas.z_m(), canvas.id(),
+                              canvas.camera())[j]
+                      .state,
+                  JointState::inferred);
+        EXPECT_EQ(actor_truth(front.bones, view_from_world, 2, canvas.z_m(), canvas.id(),
+                              canvas.camera())[j]
+                      .state,
+                  JointState::tracked);
+    }
+
     // Too near for head and feet.
     const Body near = states(standing, 1.0, {});
     EXPECT_EQ(near[Joint::head].state, JointState::inferred);

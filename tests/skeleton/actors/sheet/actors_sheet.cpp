@@ -43,7 +43,7 @@ void put(Image<Rgba8>& sheet, int x, int y, Rgba8 c) {
 }
 
 int images_sheet(std::uint64_t seed, int first, int columns, int rows, const std::string& path) {
-    constexpr int kCell = 240;
+    constexpr int kCell = 180;
     auto images = ActorImages::create(
                       {.seed = seed, .count = first + columns * rows, .width = 640, .height = 480})
                       .value();
@@ -69,7 +69,7 @@ int images_sheet(std::uint64_t seed, int first, int columns, int rows, const std
             }
         }
     }
-    return write_png_rgba8(path, sheet) ? 0 : 1;
+    return write_png_rgba8(path, sheet, {.compression = 9}) ? 0 : 1;
 }
 
 int take_sheet(const ActorTake& take, int columns, int rows, const std::string& path) {
