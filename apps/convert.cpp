@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
+#include "apps/motion.h"
 #include "apps/pipeline/opened_source.h"
 #include "apps/sources.h"
 #include "apps/view_options.h"
@@ -36,6 +38,7 @@ struct ConvertOptions {
     std::int64_t from = 0;
     std::optional<std::int64_t> count;
     std::optional<double> scale;
+    MotionRequest motion;
     bool force = false;
     bool json = false;
 };
@@ -202,7 +205,43 @@ void print_summary(const ConvertOptions& options, const Outcome& outcome) {
     }
 }
 
-void print_json(const ConvertOptions& options, const Outcome& outcome) {
+void print_motion(const ConvertOptions& options, const MotionOutcome& outcome) {
+    const MotionSummary& s = outcome.summary;
+    fmt::print("{}: person {} of {}, {} frames at {:.4g} Hz, bodies {}\n",
+               options.motion.file.string(), s.person, outcome.people, s.frames, s.rate_hz,
+               outcome.tracked ? "found in the depth" : "as recorded");
+    const std::size_t joints = s.moments * kJointCount;
+    if (s.joints_lost > 0) fmt::print("joints lost: {} of {}\n", s.joints_lost, joints);
+    if (!s.never_seen.empty()) {
+        std::string names;
+        for (const Joint joint : s.never_seen) {
+            names += fmt::format("{}{}", names.empty() ? "" : ", ", joint_name(joint));
+        }
+        fmt::print("never seen: {}\n", names);
+    }
+    if (s.max_error_mm > 0) {
+        fmt::print("constant bones move joints by {:.1f} mm in the mean, {:.1f} mm at most\n",
+                   s.mean_error_mm, s.max_error_mm);
+    }
+}
+
+nlohmann::ordered_json motion_json(const ConvertOptions& options, const MotionOutcome& outcome) {
+    const MotionSummary& s = outcome.summary;
+    return {{"out", options.motion.file.string()},
+            {"bodies", outcome.tracked ? "found" : "recorded"},
+            {"people", outcome.people},
+            {"person", s.person},
+            {"moments", s.moments},
+            {"frames", s.frames},
+            {"rate_hz", s.rate_hz},
+            {"duration_s", s.duration_s},
+            {"joints_lost", s.joints_lost},
+            {"bytes", s.bytes},
+            {"mean_error_mm", s.mean_error_mm},
+            {"max_error_mm", s.max_error_mm}};
+}
+
+nlohmann::ordered_json outcome_json(const ConvertOptions& options, const Outcome& outcome) {
     nlohmann::ordered_json out = {{"out", options.out.string()}, {"kind", outcome.kind}};
     for (const StreamKind kind : kKinds) {
         out["frames"][stream_name(kind)] = outcome.sink->written(kind);
@@ -210,23 +249,53 @@ void print_json(const ConvertOptions& options, const Outcome& outcome) {
     out["note"] = outcome.note;
     out["not_kept"] = outcome.sink->losses().lines();
     out["unreadable"] = outcome.report.unreadable;
+    return out;
+}
+
+void print_json(const nlohmann::ordered_json& out) {
     fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
 int run_convert(const ConvertOptions& options) {
     register_sources();
     catch_interrupts();
-    const auto outcome = convert(options);
-    if (!outcome) {
-        complain(outcome.error());
-        return kExitFailed;
+    if (options.out.empty() && options.motion.file.empty()) {
+        complain({"nothing is to be written", options.in, "name OUT, or --motion FILE"});
+        return kExitUsage;
     }
-    if (options.json) {
-        print_json(options, *outcome);
-    } else {
-        print_summary(options, *outcome);
+    nlohmann::ordered_json out = nlohmann::ordered_json::object();
+    std::optional<Outcome> outcome;
+    if (!options.out.empty()) {
+        auto converted = convert(options);
+        if (!converted) {
+            complain(converted.error());
+            return kExitFailed;
+        }
+        outcome = std::move(*converted);
+        out = outcome_json(options, *outcome);
+        if (!options.json) print_summary(options, *outcome);
     }
-    if (outcome->report.unreadable == 0) return kExitDone;
+    if (!options.motion.file.empty()) {
+        MotionRequest request = options.motion;
+        request.from = options.from;
+        request.count = options.count;
+        request.replace = options.force;
+        Progress progress(options.json);
+        const auto motion =
+            export_motion(options.in, request, [&](std::int64_t done, std::int64_t total) {
+                progress.tell(done, total);
+                return !interrupted();
+            });
+        progress.end();
+        if (!motion) {
+            complain(motion.error());
+            return kExitFailed;
+        }
+        out["motion"] = motion_json(options, *motion);
+        if (!options.json) print_motion(options, *motion);
+    }
+    if (options.json) print_json(out);
+    if (!outcome || outcome->report.unreadable == 0) return kExitDone;
     complain({fmt::format("{} frames could not be read and are left out, the first: {}",
                           outcome->report.unreadable, outcome->report.first_problem),
               options.in, ""});
@@ -243,8 +312,8 @@ Command add_convert(CLI::App& parent) {
                    "(its content decides)")
         ->required();
     app.add_option("OUT", options->out,
-                   "FILE.mkv, FILE.oni, FILE.ply (one frame) or cloud_%05d.ply; else say --to")
-        ->required();
+                   "FILE.mkv, FILE.oni, FILE.ply (one frame) or cloud_%05d.ply; else say --to; "
+                   "not needed with --motion");
     app.add_option("--to", options->to, "what to write where OUT's name does not say it")
         ->check(CLI::IsMember({"session", "tum", "png", "ply", "oni", "k4a"}))
         ->type_name("session|tum|png|ply|oni|k4a");
@@ -255,6 +324,24 @@ Command add_convert(CLI::App& parent) {
     app.add_option("--count", options->count, "how many frames to take (default: all)")
         ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
         ->type_name("N");
+    app.add_option("--motion", options->motion.file,
+                   "the motion of one person: FILE.bvh, .glb, .csv or .c3d; of the recorded "
+                   "bodies, or of those found in the depth where none were recorded")
+        ->type_name("FILE");
+    app.add_option("--person", options->motion.person, "motion: whose; default the longest seen")
+        ->type_name("ID");
+    app.add_option("--rate", options->motion.rate_hz, "motion: frames a second of BVH, GLB, C3D")
+        ->check(CLI::Range(0.1, 1000.0))
+        ->type_name("HZ");
+    static const std::map<std::string, BodyMode> kModes = {{"on", BodyMode::on},
+                                                           {"recorded", BodyMode::recorded}};
+    app.add_option_function<std::string>(
+           "--bodies",
+           [options](const std::string& word) { options->motion.bodies.mode = kModes.at(word); },
+           "motion: of bodies found in the depth in any case (on), or never (recorded)")
+        ->check(CLI::IsMember(kModes))
+        ->type_name("on|recorded");
+    add_tracking_options(app, options->motion.bodies);
     app.add_option("--scale", options->scale,
                    "counts a metre of TUM depth; default is the recording's own unit, which loses "
                    "nothing. Tools that read no calibration.json expect 5000")

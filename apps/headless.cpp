@@ -131,8 +131,9 @@ Result<void> HeadlessRun::keep(const Image<Rgba8>& picture, TimeNs duration, con
 }
 
 Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
-    KINO_ASSIGN(OpenedSource opened,
-                open_for_playing(uri, {.mode = options_.loop, .filters = options_.filters}));
+    KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, {.mode = options_.loop,
+                                                            .filters = options_.filters,
+                                                            .bodies = options_.bodies}));
     Stepper stepper(std::move(opened));
     const std::int64_t frames = options_.frames.value_or(natural_length(stepper));
     std::error_code error;
@@ -199,6 +200,7 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
         source.passes = drawn.report.passes;
         source.device_bytes = renderer_.device().memory().current;
         source.points = (*frame)->valid_points;
+        source.bodies.add(**frame);
         ++source.frames;
         shown += duration;
         if (options_.verbose) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "apps/sources.h"
 #include "apps/view_options.h"
 #include "sensor/session/recorder.h"
+#include "skeleton/gestures/gesture_json.h"
 
 namespace kino {
 namespace {
@@ -32,7 +34,14 @@ struct RecordOptions {
     std::optional<double> seconds;
     std::optional<std::int64_t> frames;
     SessionCodec codec = SessionCodec::ffv1;
+    BodyOptions bodies;
     bool json = false;
+};
+
+struct Recorded {
+    RecorderStatus status;
+    std::set<std::uint32_t> people;
+    std::int64_t gestures = 0;
 };
 
 void complain(const Error& error) {
@@ -51,10 +60,38 @@ bool comes_by_itself(Source& source) {
     return source.timeline() == nullptr;
 }
 
+/// Bodies and gestures of each set, found beside the recording.
+class BodyDesk {
+  public:
+    /// Null where bodies are off.
+    static Result<std::unique_ptr<BodyDesk>> create(const BodyOptions& options, RigParameters rig) {
+        if (options.mode == BodyMode::off) return nullptr;
+        rig.color.reset();
+        KINO_ASSIGN(Processor processor, Processor::create(rig));
+        KINO_ASSIGN(auto stage, BodyStage::create(options, processor.rig()));
+        return std::unique_ptr<BodyDesk>(new BodyDesk(std::move(processor), std::move(stage)));
+    }
+
+    Result<ProcessedFrame> find(const FrameSet& set) {
+        FrameSet depth_only = set;
+        depth_only.color.reset();
+        KINO_ASSIGN(ProcessedFrame frame, processor_.process(std::move(depth_only)));
+        stage_->process(frame);
+        return frame;
+    }
+
+  private:
+    BodyDesk(Processor processor, std::unique_ptr<BodyStage> stage)
+        : processor_(std::move(processor)), stage_(std::move(stage)) {}
+    Processor processor_;
+    std::unique_ptr<BodyStage> stage_;
+};
+
 class RecordRun {
   public:
-    RecordRun(const RecordOptions& options, Source& source, Recorder& recorder)
-        : options_(options), source_(source), recorder_(recorder) {}
+    RecordRun(const RecordOptions& options, Source& source, Recorder& recorder, BodyDesk* desk,
+              Recorded& out)
+        : options_(options), source_(source), recorder_(recorder), desk_(desk), out_(out) {}
 
     Result<void> run() {
         const bool tapped = source_.set_tap(
@@ -73,6 +110,7 @@ class RecordRun {
                 if (first_time_ == 0) first_time_ = last_time_;
                 last_set = now_ns();
                 if (!tapped) put(**set);
+                if (desk_ != nullptr) find_bodies(**set, tapped);
             } else if (ended_) {
                 break;
             } else if (present_ && now_ns() - last_set > kPatience) {
@@ -106,11 +144,34 @@ class RecordRun {
                recorder_.status().error.empty() && !interrupted()) {
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
-        recorder_.put(set);
+        if (desk_ == nullptr) return recorder_.put(set);
+        // Those that are found go into the file instead.
+        FrameSet pictures = set;
+        pictures.bodies.reset();
+        recorder_.put(pictures);
+    }
+
+    void find_bodies(const FrameSet& set, bool tapped) {
+        if (!set.depth) return;
+        const auto frame = desk_->find(set);
+        if (!frame) return complain(frame.error());
+        // Sets are put as of device 0.
+        const std::vector<StreamInfo>& streams = source_.info().streams;
+        const int device = tapped && !streams.empty() ? streams.front().id.device : 0;
+        recorder_.put({device, StreamKind::bodies}, frame->set.bodies);
+        for (const Body& body : frame->set.bodies->bodies) out_.people.insert(body.id);
+        for (const GestureEvent& gesture : frame->gestures) {
+            ++out_.gestures;
+            recorder_.put_event(event_of(gesture));
+            if (gesture.phase == GesturePhase::change) continue;
+            fmt::print(stderr, "\r{:.2f} s: {}\n", to_seconds(gesture.time - first_time_),
+                       gesture_text(gesture));
+        }
     }
 
     void hear(const Event& event) {
-        recorder_.put_event(event);
+        // Gestures of a recording make room for those that are found.
+        if (event.kind != EventKind::gesture || desk_ == nullptr) recorder_.put_event(event);
         if (event.kind == EventKind::ended) ended_ = true;
         if (event.kind == EventKind::lost) present_ = false;
         if (event.kind == EventKind::back) present_ = true;
@@ -122,6 +183,8 @@ class RecordRun {
     const RecordOptions& options_;
     Source& source_;
     Recorder& recorder_;
+    BodyDesk* desk_;
+    Recorded& out_;
     std::int64_t sets_ = 0;
     TimeNs first_time_ = 0;
     TimeNs last_time_ = 0;
@@ -129,7 +192,7 @@ class RecordRun {
     bool present_ = true;
 };
 
-Result<RecorderStatus> record(const RecordOptions& options) {
+Result<Recorded> record(const RecordOptions& options) {
     std::string uri = options.uri;
     if (uri.empty()) {
         KINO_ASSIGN(uri, first_device());
@@ -140,21 +203,25 @@ Result<RecorderStatus> record(const RecordOptions& options) {
         return id.kind == StreamKind::bodies || id.kind == StreamKind::motion;
     });
     KINO_ASSIGN(const RigParameters rig, source->calibration());
+    KINO_ASSIGN(const auto desk, BodyDesk::create(options.bodies, rig));
     KINO_ASSIGN(const auto recorder,
                 Recorder::create(options.out, source->info(), rig,
                                  {.codec = options.codec, .streams = streams}));
-    KINO_TRY(RecordRun(options, *source, *recorder).run());
-    return recorder->close();
+    Recorded out;
+    KINO_TRY(RecordRun(options, *source, *recorder, desk.get(), out).run());
+    KINO_ASSIGN(out.status, recorder->close());
+    return out;
 }
 
 int run_record(const RecordOptions& options) {
     register_sources();
     catch_interrupts();
-    const auto status = record(options);
-    if (!status) {
-        complain(status.error());
+    const auto recorded = record(options);
+    if (!recorded) {
+        complain(recorded.error());
         return kExitFailed;
     }
+    const RecorderStatus* const status = &recorded->status;
     tell(*status, "\n");
     if (options.json) {
         const nlohmann::ordered_json out = {{"file", options.out.string()},
@@ -162,6 +229,8 @@ int run_record(const RecordOptions& options) {
                                             {"lost", status->dropped},
                                             {"bytes", status->bytes},
                                             {"seconds", to_seconds(status->duration)},
+                                            {"people", recorded->people},
+                                            {"gestures", recorded->gestures},
                                             {"error", status->error}};
         fmt::print("{}\n",
                    out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
@@ -191,6 +260,7 @@ Command add_record(CLI::App& parent) {
         ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
         ->type_name("N");
     add_codec_option(app, options->codec);
+    add_body_options(app, options->bodies);
     app.add_flag("--json", options->json, "print the outcome as JSON");
     app.footer(
         "Sessions are Matroska files (docs/session-format.md). Whatever happens to the "

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/pipeline/body_stage.h"
 #include "apps/viewer/camera_control.h"
 #include "sensor/playback.h"
 #include "sensor/session/recorder.h"
@@ -25,7 +26,8 @@ struct ReplayOptions {
     std::optional<ViewKind> view;
     std::optional<ColorMode> color;
     std::optional<LoopMode> loop;
-    std::string filters;           ///< of depth, as DepthFilterChain::parse() reads them
+    std::string filters;  ///< of depth, as DepthFilterChain::parse() reads them
+    BodyOptions bodies;
     std::filesystem::path record;  ///< live: a session that is written from the start
     SessionCodec codec = SessionCodec::ffv1;
     std::filesystem::path headless;  ///< empty: a window

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "skeleton/gestures/gesture_json.h"
+
 namespace kino {
 namespace {
 
@@ -12,6 +14,26 @@ using Json = nlohmann::ordered_json;
 
 Json times_json(const TimeSeries& times) {
     return {{"count", times.count()}, {"median_ms", times.median_ms()}, {"p95_ms", times.p95_ms()}};
+}
+
+Json bodies_json(const BodySummary& bodies) {
+    Json frames = Json::object();
+    for (const auto& [people, count] : bodies.frames_with) frames[std::to_string(people)] = count;
+    Json gestures = Json::array();
+    for (const BodySummary::Seen& seen : bodies.gestures) {
+        const GestureEvent& event = seen.event;
+        gestures.push_back({{"frame", seen.frame},
+                            {"kind", gesture_name(event.kind)},
+                            {"phase", phase_name(event.phase)},
+                            {"hand", hand_name(event.hand)},
+                            {"body", event.body_id},
+                            {"primary", event.primary},
+                            {"confidence", event.confidence},
+                            {"value", event.value},
+                            {"name", event.name},
+                            {"seconds", to_seconds(event.time - event.start_time)}});
+    }
+    return {{"frames_with_people", frames}, {"ids", bodies.ids}, {"gestures", gestures}};
 }
 
 Json deterministic_json(const SourceSummary& s) {
@@ -35,13 +57,23 @@ Json deterministic_json(const SourceSummary& s) {
             {"errors", s.errors},
             {"first_error", s.first_error},
             {"points", s.points},
+            {"bodies", bodies_json(s.bodies)},
             {"pictures_fnv1a", fmt::format("{:016x}", s.pictures_hash)},
             {"passes", s.passes},
             {"device_bytes", s.device_bytes}};
 }
 
 Json timing_json(const SourceSummary& s) {
+    Json bodies = {{"all", times_json(s.bodies.total)}};
+    if (s.bodies.people.count() > 0) {
+        bodies["people"] = times_json(s.bodies.people);
+        bodies["parts"] = times_json(s.bodies.parts);
+        bodies["proposals"] = times_json(s.bodies.proposals);
+        bodies["fit"] = times_json(s.bodies.fit);
+        bodies["filter"] = times_json(s.bodies.filter);
+    }
     return {{"uri", s.info.uri},
+            {"bodies", bodies},
             {"read", times_json(s.read)},
             {"color", times_json(s.color_conversion)},
             {"arrive", times_json(s.arrive)},
@@ -53,6 +85,21 @@ Json timing_json(const SourceSummary& s) {
 }
 
 }  // namespace
+
+void BodySummary::add(const ProcessedFrame& frame) {
+    for (const GestureEvent& event : frame.gestures) gestures.push_back({frame.set.index, event});
+    if (!frame.set.bodies) return;
+    ++frames_with[frame.set.bodies->bodies.size()];
+    for (const Body& body : frame.set.bodies->bodies) ids.insert(body.id);
+    if (!frame.bodies_are_new) return;
+    total.add(frame.times.bodies);
+    if (!frame.tracking) return;
+    people.add(frame.tracking->people);
+    parts.add(frame.tracking->parts);
+    proposals.add(frame.tracking->proposals);
+    fit.add(frame.tracking->fit);
+    filter.add(frame.tracking->filter);
+}
 
 std::uint64_t hash_picture(const Image<Rgba8>& picture, std::uint64_t hash) {
     constexpr std::uint64_t kPrime = 0x100000001b3ull;
@@ -77,6 +124,7 @@ Json to_json(const Summary& summary) {
               {"raster", raster_name(options.raster)},
               {"style", style_name(options.style.value_or(DepthStyle::mesh))},
               {"filters", options.filters},
+              {"bodies", body_mode_name(options.bodies.mode)},
               {"splat_px", options.splat_px.value_or(1)},
               {"view", view_name(options.view.value_or(ViewKind::orbit))},
               {"seeds", Json::object()},
@@ -101,6 +149,20 @@ std::string to_text(const Summary& summary) {
             s.read.median_ms(), s.color_conversion.median_ms(), s.registration.median_ms(),
             s.render.median_ms(), s.write.median_ms());
         if (!s.info.note.empty()) text += fmt::format("  note: {}\n", s.info.note);
+        if (!s.bodies.frames_with.empty()) {
+            std::string people;
+            for (const auto& [count, frames] : s.bodies.frames_with) {
+                people +=
+                    fmt::format("{}{} in {} frames", people.empty() ? "" : ", ", count, frames);
+            }
+            text +=
+                fmt::format("  people: {}; median ms {:.1f}\n", people, s.bodies.total.median_ms());
+        }
+        for (const BodySummary::Seen& seen : s.bodies.gestures) {
+            if (seen.event.phase == GesturePhase::change) continue;
+            text += fmt::format("  frame {}: {}, confidence {:.2f}\n", seen.frame,
+                                gesture_text(seen.event), seen.event.confidence);
+        }
     }
     text += fmt::format("drawn by {} at {}x{} in {:.1f} s{}\n", summary.device.name, summary.width,
                         summary.height, summary.wall_s,

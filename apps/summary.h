@@ -2,16 +2,33 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "apps/pipeline/processed_frame.h"
 #include "apps/pipeline/time_series.h"
 #include "apps/replay_options.h"
 #include "sensor/source.h"
 #include "viz/gpu/device.h"
 
 namespace kino {
+
+/// Who was seen in a run, and what they did.
+struct BodySummary {
+    struct Seen {
+        std::int64_t frame = 0;  ///< on the timeline
+        GestureEvent event;
+    };
+    std::map<std::size_t, std::int64_t> frames_with;  ///< so many people: frames
+    std::set<std::uint32_t> ids;
+    std::vector<Seen> gestures;
+    TimeSeries total, people, parts, proposals, fit, filter;
+
+    void add(const ProcessedFrame& frame);
+};
 
 /// What is known about one source at the end of a headless run.
 struct SourceSummary {
@@ -26,6 +43,7 @@ struct SourceSummary {
     std::vector<std::string> passes;  ///< of the last frame
     std::int64_t device_bytes = 0;
     std::string first_error;
+    BodySummary bodies;
     // Different every time; `arrive` is from the sensor to here, of devices only:
     TimeSeries arrive;
     TimeSeries read, color_conversion, filter, registration, render, render_device, write;

@@ -14,6 +14,7 @@
 #include "apps/viewer/keys.h"
 #include "apps/window/window_replay.h"
 #include "sensor/filters/depth_filter_chain.h"
+#include "skeleton/filters/body_filter.h"
 
 namespace kino {
 namespace {
@@ -92,6 +93,7 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
                    "headless: at most N pictures of each URI as PNG, default 12; -1: all")
         ->check(CLI::Range(-1, 1 << 30))
         ->type_name("N");
+    add_body_options(app, options->bodies);
     app.add_option_function<std::string>(
            "--size",
            [options](const std::string& text) {
@@ -119,6 +121,36 @@ void add_codec_option(CLI::App& app, SessionCodec& codec) {
            "machines")
         ->check(CLI::IsMember(kCodecs))
         ->type_name("ffv1|fast|rvl|raw");
+}
+
+void add_body_options(CLI::App& app, BodyOptions& bodies) {
+    static const std::map<std::string, BodyMode> kModes = {
+        {"off", BodyMode::off}, {"on", BodyMode::on}, {"recorded", BodyMode::recorded}};
+    app.add_option_function<std::string>(
+           "--bodies", [&bodies](const std::string& word) { bodies.mode = kModes.at(word); },
+           "people, joints and gestures: found in the depth (on), gestures of recorded bodies "
+           "(recorded), or only what was recorded (off, the default)")
+        ->check(CLI::IsMember(kModes))
+        ->type_name("off|on|recorded");
+    app.add_option("--gestures", bodies.gestures, "definitions of gestures as JSON")
+        ->type_name("FILE");
+    add_tracking_options(app, bodies);
+}
+
+void add_tracking_options(CLI::App& app, BodyOptions& bodies) {
+    app.add_flag("--seated", bodies.seated, "bodies: ten joints, for people who sit");
+    app.add_flag("--moving-sensor", bodies.moving_sensor,
+                 "bodies: the sensor may move, so the room is not learned");
+    app.add_option("--filter-joints", bodies.joint_filter,
+                   "none, holt, one-euro or kalman, as one-euro:calm; docs/gestures.md lists them")
+        ->check([](const std::string& name) {
+            const auto filter = make_body_filter(name);
+            return filter ? std::string() : filter.error().to_string();
+        })
+        ->type_name("NAME");
+    app.add_option("--forest", bodies.forest,
+                   "body parts by this forest instead of the shipped one")
+        ->type_name("FILE");
 }
 
 std::string view_footer() {

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "skeleton/gestures/gesture_json.h"
+
 namespace kino {
 namespace {
 /// The process thread looks this often whether another frame is due: a small part of a frame time.
@@ -29,6 +31,7 @@ LiveRunner::LiveRunner(OpenedSource opened, LiveRunnerOptions options)
     }
     live_source_ = dynamic_cast<LiveSource*>(opened_.source.get());
     controls_ = opened_.source->controls();
+    wanted_bodies_ = status_.bodies = opened_.bodies != nullptr;
     thread_ = std::thread([this] { run(); });
 }
 
@@ -104,6 +107,44 @@ void LiveRunner::set_mode(LoopMode mode) {
     change([&](Playback& playback, TimeNs now) { playback.set_mode(mode, now); });
 }
 
+void LiveRunner::set_bodies(bool on) {
+    {
+        const std::lock_guard lock(mutex_);
+        wanted_bodies_ = on;
+    }
+    changed_.notify_all();
+}
+
+std::vector<GestureEvent> LiveRunner::take_gestures() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(gestures_, {});
+}
+
+/// Makes and drops the body stage as set_bodies() said.
+void LiveRunner::follow_bodies() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (wanted_bodies_ == (opened_.bodies != nullptr)) return;
+        if (!wanted_bodies_) {
+            opened_.bodies.reset();
+            status_.bodies = false;
+            return;
+        }
+    }
+    BodyOptions options = opened_.body_options;
+    if (options.mode == BodyMode::off) options.mode = BodyMode::on;
+    auto made = BodyStage::create(options, opened_.processor.rig());
+    const std::lock_guard lock(mutex_);
+    if (made) {
+        opened_.bodies = std::move(*made);
+        status_.bodies = true;
+        status_.bodies_error.clear();
+    } else {
+        wanted_bodies_ = false;
+        status_.bodies_error = made.error().to_string();
+    }
+}
+
 Result<void> LiveRunner::start_recording(const std::filesystem::path& file, SessionCodec codec) {
     const std::lock_guard lock(mutex_);
     if (status_.is_recording) return fail("a recording is under way already", file.string());
@@ -146,7 +187,36 @@ void LiveRunner::follow_recording() {
 /// Sees each set of a source without a tap while a recording is under way.
 std::function<void(const FrameSet&)> LiveRunner::to_recorder() {
     if (!recorder_ || recorder_is_tapped_) return {};
-    return [this](const FrameSet& set) { recorder_->put(set); };
+    return [this](const FrameSet& set) {
+        if (!opened_.bodies) return recorder_->put(set);
+        // Those that are computed go into the file instead.
+        FrameSet pictures = set;
+        pictures.bodies.reset();
+        recorder_->put(pictures);
+    };
+}
+
+/// Tells the gestures of a frame, and records them and its bodies.
+void LiveRunner::keep(const Result<std::optional<ProcessedFrame>>& frame) {
+    if (!opened_.bodies || !frame || !*frame) return;
+    const ProcessedFrame& made = **frame;
+    tell(made.gestures);
+    if (!recorder_ || !made.set.bodies || !made.bodies_are_new) return;
+    if (std::exchange(recorded_bodies_, made.set.time) == made.set.time) return;
+    int device = 0;
+    if (recorder_is_tapped_ && !info_.streams.empty()) device = info_.streams.front().id.device;
+    recorder_->put({device, StreamKind::bodies}, made.set.bodies);
+    for (const GestureEvent& gesture : made.gestures) recorder_->put_event(event_of(gesture));
+}
+
+void LiveRunner::tell(const std::vector<GestureEvent>& gestures) {
+    constexpr std::size_t kMost = 1000;
+    if (gestures.empty()) return;
+    const std::lock_guard lock(mutex_);
+    gestures_.insert(gestures_.end(), gestures.begin(), gestures.end());
+    if (gestures_.size() > kMost) {
+        gestures_.erase(gestures_.begin(), gestures_.end() - static_cast<std::ptrdiff_t>(kMost));
+    }
 }
 
 void LiveRunner::end_recording(const std::shared_ptr<Recorder>& recorder) {
@@ -161,7 +231,12 @@ void LiveRunner::end_recording(const std::shared_ptr<Recorder>& recorder) {
 }
 
 void LiveRunner::hear_events() {
-    const std::vector<Event> events = opened_.source->take_events();
+    std::vector<Event> events = opened_.source->take_events();
+    // Gestures of the recording, unless they are recognised anew.
+    if (!opened_.bodies) tell(gestures_in(events));
+    std::erase_if(events, [this](const Event& event) {
+        return event.kind == EventKind::gesture && opened_.bodies != nullptr;
+    });
     if (recorder_) {
         for (const Event& event : events) recorder_->put_event(event);
     }
@@ -169,6 +244,7 @@ void LiveRunner::hear_events() {
     const std::lock_guard lock(mutex_);
     status_.overtaken = overtaken;
     for (const Event& event : events) {
+        if (event.kind == EventKind::gesture) continue;
         ++status_.events;
         status_.last_event = event.text;
         if (event.kind == EventKind::lost) status_.present = false;
@@ -214,6 +290,8 @@ void LiveRunner::run_timeline() {
     while (!stopping_) {
         const std::int64_t due = playback_->due(clock_());
         if (last && due == *last) {
+            // Bodies that come or go are seen in a pause, too.
+            if (wanted_bodies_ != (opened_.bodies != nullptr)) last.reset();
             if (recorder_ != wanted_recorder_ || left_recorder_) {
                 lock.unlock();
                 follow_recording();
@@ -227,7 +305,10 @@ void LiveRunner::run_timeline() {
         last = due;
         lock.unlock();
         follow_recording();
-        deliver(read_frame(opened_, due, kNsPerSecond, to_recorder()));
+        follow_bodies();
+        auto frame = read_frame(opened_, due, kNsPerSecond, to_recorder());
+        keep(frame);
+        deliver(std::move(frame));
         hear_events();
         lock.lock();
     }
@@ -239,8 +320,10 @@ void LiveRunner::run_device() {
         const bool paused = device_paused_;
         lock.unlock();
         follow_recording();
+        follow_bodies();
         Result<std::optional<ProcessedFrame>> frame =
             read_frame(opened_, {}, kDeviceWait, to_recorder());
+        keep(frame);
         hear_events();
         const bool failed = !frame;
         const bool nothing = frame && !*frame;

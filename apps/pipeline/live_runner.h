@@ -15,6 +15,7 @@
 #include "base/mailbox.h"
 #include "sensor/live/live_source.h"
 #include "sensor/session/recorder.h"
+#include "skeleton/gestures/gesture_event.h"
 
 namespace kino {
 
@@ -43,6 +44,8 @@ struct LiveStatus {
     std::int64_t events = 0;
     std::optional<RecorderStatus> recording;  ///< while one is under way, and its end afterwards
     bool is_recording = false;
+    bool bodies = false;       ///< a BodyStage is at work
+    std::string bodies_error;  ///< why bodies could not be switched on; empty: they could
 };
 
 /// Plays a source by the clock on a thread of its own: reads the frame that is due, registers it,
@@ -73,6 +76,12 @@ class LiveRunner {
     void set_speed(double speed);
     void set_mode(LoopMode mode);
 
+    /// Switches the search for bodies on (as `body_options` of the source says; BodyMode::on where
+    /// they say off) or off. It happens on the runner's thread before the next frame.
+    void set_bodies(bool on);
+    /// Gestures since the last call, of frames that were overtaken as well; at most the last 1000.
+    [[nodiscard]] std::vector<GestureEvent> take_gestures();
+
     /// From the next frame on everything the source brings goes into a new session at `file`: of
     /// devices all frames of all streams, of recordings what is played. Fails where
     /// Recorder::create does, and while a recording is under way.
@@ -96,6 +105,9 @@ class LiveRunner {
     void count_skipped(std::int64_t from, std::int64_t to);
     void hear_events();
     void follow_recording();
+    void follow_bodies();
+    void keep(const Result<std::optional<ProcessedFrame>>& frame);
+    void tell(const std::vector<GestureEvent>& gestures);
     std::function<void(const FrameSet&)> to_recorder();
     void end_recording(const std::shared_ptr<Recorder>& recorder);
     template <class Change>
@@ -110,6 +122,8 @@ class LiveRunner {
     std::optional<Playback> playback_;
     LiveStatus status_;
     bool device_paused_ = false;
+    bool wanted_bodies_ = false;
+    std::vector<GestureEvent> gestures_;
     bool jumped_ = true;  ///< the due frame moved by command, not by time: nothing was skipped
     bool stopping_ = false;
     std::shared_ptr<Recorder> wanted_recorder_;
@@ -118,6 +132,7 @@ class LiveRunner {
     // Of the runner's thread:
     std::shared_ptr<Recorder> recorder_;
     bool recorder_is_tapped_ = false;
+    TimeNs recorded_bodies_ = INT64_MIN;  ///< time of the last
 
     SourceInfo info_;
     std::vector<StreamId> pictures_;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "skeleton/gestures/gesture_json.h"
+
 namespace kino {
 
 Result<std::vector<StreamId>> subscribe_what_goes(Source& source) {
@@ -34,7 +36,9 @@ Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
     } else if (const Timeline* timeline = source->timeline()) {
         mode = natural_loop(*timeline);
     }
-    return OpenedSource{std::move(source), std::move(*processor), mode, std::move(streams)};
+    KINO_ASSIGN(auto bodies, BodyStage::create(options.bodies, processor->rig()));
+    return OpenedSource{std::move(source),  std::move(*processor), mode,
+                        std::move(streams), options.bodies,        std::move(bodies)};
 }
 
 Result<OpenedSource> open_for_playing(const std::string& uri, const PlayOptions& options) {
@@ -61,7 +65,22 @@ Result<std::optional<ProcessedFrame>> read_frame(
     if (on_set) on_set(*set);
     KINO_ASSIGN(ProcessedFrame frame, opened.processor.process(std::move(*set)));
     frame.times.read = read;
+    if (opened.bodies) {
+        opened.bodies->process(frame);
+        frame.ready = now_ns();
+    }
     return frame;
+}
+
+std::vector<GestureEvent> gestures_in(const std::vector<Event>& events) {
+    std::vector<GestureEvent> gestures;
+    for (const Event& event : events) {
+        if (event.kind != EventKind::gesture) continue;
+        if (auto gesture = gesture_event_from_json(event.detail, "event")) {
+            gestures.push_back(*std::move(gesture));
+        }
+    }
+    return gestures;
 }
 
 }  // namespace kino

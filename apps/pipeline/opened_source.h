@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/pipeline/body_stage.h"
 #include "apps/pipeline/processor.h"
 #include "sensor/playback.h"
 #include "sensor/source.h"
@@ -16,14 +17,17 @@ namespace kino {
 struct OpenedSource {
     std::unique_ptr<Source> source;
     Processor processor;
-    LoopMode mode = LoopMode::loop;  ///< as asked for, else what suits the recording
-    std::vector<StreamId> streams;   ///< that are subscribed
+    LoopMode mode = LoopMode::loop;       ///< as asked for, else what suits the recording
+    std::vector<StreamId> streams;        ///< that are subscribed
+    BodyOptions body_options;             ///< what switching bodies on goes by
+    std::unique_ptr<BodyStage> bodies{};  ///< null: off
 };
 
 /// How a source is to be played.
 struct PlayOptions {
     std::optional<LoopMode> mode;  ///< empty: natural_loop()
     std::string filters;           ///< as DepthFilterChain::parse() reads them
+    BodyOptions bodies;
 };
 
 /// Subscribes to every stream; a device's that exclude each other as far as they go together, in
@@ -44,5 +48,8 @@ struct PlayOptions {
 [[nodiscard]] Result<std::optional<ProcessedFrame>> read_frame(
     OpenedSource& opened, std::optional<std::int64_t> index, TimeNs timeout,
     const std::function<void(const FrameSet&)>& on_set = {});
+
+/// The gestures among a source's events.
+[[nodiscard]] std::vector<GestureEvent> gestures_in(const std::vector<Event>& events);
 
 }  // namespace kino

@@ -19,8 +19,7 @@ std::int64_t Stepper::round() const {
 
 Result<std::optional<ProcessedFrame>> Stepper::next() {
     if (!order_) {
-        KINO_ASSIGN(shown_, read_frame(opened_, {}, kNsPerSecond));
-        return shown_;
+        return read({});
     }
     if (std::exchange(started_, true) && !order_->step(1, 0) && opened_.mode == LoopMode::once) {
         return std::nullopt;
@@ -31,9 +30,21 @@ Result<std::optional<ProcessedFrame>> Stepper::next() {
                     ? timeline.time_of(index + 1) - timeline.time_of(index)
                     : timeline.last_frame_duration();
     if (!shown_ || shown_->set.index != index) {
-        shown_.reset();
-        KINO_ASSIGN(shown_, read_frame(opened_, index, kNsPerSecond));
+        return read(index);
     }
+    // Shown again: it happens no second time.
+    shown_->gestures.clear();
+    shown_->bodies_are_new = false;
+    return shown_;
+}
+
+Result<std::optional<ProcessedFrame>> Stepper::read(std::optional<std::int64_t> index) {
+    shown_.reset();
+    auto frame = read_frame(opened_, index, kNsPerSecond);
+    const std::vector<Event> events = opened_.source->take_events();
+    if (!frame) return frame;
+    shown_ = std::move(*frame);
+    if (shown_ && !opened_.bodies) shown_->gestures = gestures_in(events);
     return shown_;
 }
 

@@ -25,6 +25,8 @@ class Stepper {
     [[nodiscard]] const OpenedSource& opened() const { return opened_; }
 
   private:
+    Result<std::optional<ProcessedFrame>> read(std::optional<std::int64_t> index);
+
     OpenedSource opened_;
     std::optional<Playback> order_;
     bool started_ = false;

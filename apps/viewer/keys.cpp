@@ -38,6 +38,7 @@ constexpr std::array kKeys = {
     KeyEntry{'P', "P", "picture into a PNG file", Action::screenshot},
     KeyEntry{'X', "X", "points into a PLY file", Action::export_ply},
     KeyEntry{'K', "K", "record into a session, end it", Action::record},
+    KeyEntry{'B', "B", "find bodies and gestures, or not", Action::toggle_bodies},
     KeyEntry{'T', "T", "knobs of the device: tilt, light, colour", Action::toggle_controls},
     KeyEntry{'O', "O", "text on or off", Action::toggle_overlay},
     KeyEntry{'I', "I", "images of the sensor on or off", Action::toggle_panes},

@@ -32,6 +32,7 @@ enum class Action : std::uint8_t {
     record,
     toggle_controls,
     toggle_overlay,
+    toggle_bodies,
     toggle_panes,
     toggle_help,
     quit

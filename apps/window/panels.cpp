@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "apps/viewer/keys.h"
+#include "skeleton/gestures/gesture_json.h"
+#include "viz/effects/skeleton/skeleton.h"
 
 namespace kino {
 namespace {
@@ -19,6 +21,9 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowF
                                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
 
 constexpr ImU32 kAmber = IM_COL32(255, 186, 92, 255);
+/// Where a person's number hangs: the first of these that is known.
+constexpr std::array kLabelJoints = {Joint::head, Joint::shoulder_center, Joint::spine,
+                                     Joint::hip_center};
 const ImVec4 kAmberText(1.0f, 0.75f, 0.38f, 1);
 
 void text(const std::string& line) {
@@ -114,6 +119,18 @@ void draw_overlay(const OverlayText& t) {
                 to_ms(t.stages.color),
                 t.stages.filter > 0 ? fmt::format("filter {:.1f}, ", to_ms(t.stages.filter)) : "",
                 to_ms(t.stages.registration)));
+        if (!t.people.empty()) row("bodies", t.people);
+        if (t.stages.bodies > 0) {
+            std::string split;
+            if (t.tracking) {
+                split = fmt::format(
+                    ": people {:.1f}, parts {:.1f}, joints {:.1f}, fit {:.1f}, filter {:.1f}",
+                    to_ms(t.tracking->people), to_ms(t.tracking->parts),
+                    to_ms(t.tracking->proposals), to_ms(t.tracking->fit),
+                    to_ms(t.tracking->filter));
+            }
+            row("bodies, ms", fmt::format("{:.1f}{}", to_ms(t.stages.bodies), split));
+        }
         row("latency, ms",
             fmt::format("{:.0f}: arrive {:.1f}, process {:.1f}, wait {:.1f}, draw {:.1f}",
                         to_ms(t.latency.total()), to_ms(t.latency.arrive), to_ms(t.latency.process),
@@ -318,6 +335,73 @@ void draw_measure(const Measure& measure, const View& view, bool active) {
     if (active && measure.points().size() < 2) {
         draw_message(measure.points().empty() ? "measure: click the first point"
                                               : "measure: click the second point");
+    }
+}
+
+void draw_body_labels(const ProcessedFrame& frame, const View& view) {
+    if (!frame.set.bodies) return;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    for (const Body& body : frame.set.bodies->bodies) {
+        const auto highest =
+            std::find_if(std::begin(kLabelJoints), std::end(kLabelJoints),
+                         [&](Joint joint) { return body[joint].state != JointState::lost; });
+        if (highest == std::end(kLabelJoints)) continue;
+        constexpr double kAbove = 0.2;  // metres, beyond the hair
+        const glm::dvec3 up = frame.set.world_from_depth.rotation * glm::dvec3(0, -1, 0);
+        const glm::dvec3 at = frame.set.world_from_depth * glm::dvec3(body[*highest].position_m);
+        const auto pixel = project_to_pixel(view, at + kAbove * up);
+        if (!pixel) continue;
+        const std::string label =
+            fmt::format("{}{}", body.id, body.id == frame.primary_id ? " *" : "");
+        const glm::vec3 c = 255.0f * person_color(body.id);
+        const ImU32 color =
+            IM_COL32(static_cast<int>(c.r), static_cast<int>(c.g), static_cast<int>(c.b), 255);
+        const ImVec2 size = ImGui::CalcTextSize(label.c_str());
+        const ImVec2 corner(static_cast<float>(pixel->x) - size.x / 2,
+                            static_cast<float>(pixel->y) - size.y / 2);
+        list.AddRectFilled({corner.x - 7, corner.y - 3},
+                           {corner.x + size.x + 7, corner.y + size.y + 3},
+                           IM_COL32(10, 12, 16, 210), 5);
+        list.AddText(corner, color, label.c_str());
+    }
+}
+
+void GestureLines::add(const GestureEvent& event, TimeNs now) {
+    // A zoom or a turn that goes on keeps its line.
+    if (event.phase == GesturePhase::change || event.phase == GesturePhase::end) {
+        for (Line& line : lines_) {
+            if (line.event.kind == event.kind && line.event.body_id == event.body_id &&
+                line.event.phase != GesturePhase::once && line.event.phase != GesturePhase::end) {
+                line = {event, now};
+                return;
+            }
+        }
+    }
+    constexpr std::size_t kMost = 5;
+    lines_.push_back({event, now});
+    if (lines_.size() > kMost) lines_.erase(lines_.begin());
+}
+
+void GestureLines::draw(TimeNs now) {
+    constexpr TimeNs kShown = 3 * kNsPerSecond;
+    std::erase_if(lines_, [&](const Line& line) { return now - line.since >= kShown; });
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    ImDrawList& list = *ImGui::GetForegroundDrawList();
+    const float height = ImGui::GetTextLineHeight() + 12;
+    float y = display.y - kTimelineHeight - 5 * kMargin - 2 * height;
+    for (auto line = lines_.rbegin(); line != lines_.rend(); ++line, y -= height) {
+        const auto left = static_cast<float>(to_seconds(kShown - (now - line->since)));
+        const auto alpha = std::min(1.0f, left);
+        const std::string words = gesture_text(line->event);
+        const ImVec2 size = ImGui::CalcTextSize(words.c_str());
+        const ImVec2 at((display.x - size.x) / 2, y);
+        const glm::vec3 c = 255.0f * person_color(line->event.body_id);
+        list.AddRectFilled({at.x - 12, at.y - 5}, {at.x + size.x + 12, at.y + size.y + 5},
+                           IM_COL32(15, 17, 22, static_cast<int>(215 * alpha)), 6);
+        list.AddText(at,
+                     IM_COL32(static_cast<int>(c.r), static_cast<int>(c.g), static_cast<int>(c.b),
+                              static_cast<int>(255 * alpha)),
+                     words.c_str());
     }
 }
 

@@ -10,6 +10,7 @@
 #include "apps/viewer/latency.h"
 #include "apps/viewer/measure.h"
 #include "apps/window/panes.h"
+#include "skeleton/gestures/gesture_event.h"
 #include "viz/graph/executor.h"
 #include "viz/scene/view.h"
 
@@ -25,6 +26,8 @@ struct OverlayText {
     double frame_ms = 0;  ///< device time of the last picture
     std::vector<graph::GroupTime> groups;
     StageTimes stages;
+    std::string people;  ///< who is seen; empty: bodies are off and none are recorded
+    std::optional<TrackingTimes> tracking;
     Latency latency;
     std::string recording;  ///< empty: none
     std::int64_t points = 0;
@@ -62,6 +65,24 @@ void draw_cursor_depth(const glm::dvec2& cursor_px, float depth_m);
 
 /// The measured points, the line between them, its length.
 void draw_measure(const Measure& measure, const View& view, bool active);
+
+/// The number of each person over their head, in the colour of their joints, with a star for the
+/// one in control.
+void draw_body_labels(const ProcessedFrame& frame, const View& view);
+
+/// What people did, newest at the bottom; each line fades within three seconds.
+class GestureLines {
+  public:
+    void add(const GestureEvent& event, TimeNs now);
+    void draw(TimeNs now);
+
+  private:
+    struct Line {
+        GestureEvent event;
+        TimeNs since = 0;
+    };
+    std::vector<Line> lines_;
+};
 
 /// A line that goes away by itself, above the time line.
 void draw_message(const std::string& text);

@@ -7,8 +7,9 @@ namespace kino {
 
 Result<std::unique_ptr<Playing>> Playing::open(const std::string& uri,
                                                const PlayingOptions& options) {
-    KINO_ASSIGN(OpenedSource opened,
-                open_for_playing(uri, {.mode = options.loop, .filters = options.filters}));
+    KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, {.mode = options.loop,
+                                                            .filters = options.filters,
+                                                            .bodies = options.bodies}));
     std::unique_ptr<Playing> playing(new Playing());
     playing->info_ = opened.source->info();
     playing->rig_ = opened.processor.rig().parameters();

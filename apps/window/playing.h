@@ -13,7 +13,8 @@ namespace kino {
 struct PlayingOptions {
     std::optional<LoopMode> loop;
     double speed = 1;
-    std::string filters;   ///< as DepthFilterChain::parse() reads them
+    std::string filters;  ///< as DepthFilterChain::parse() reads them
+    BodyOptions bodies;
     bool stepped = false;  ///< the clock waits for the pictures instead of the other way round
 };
 

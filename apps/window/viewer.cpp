@@ -47,6 +47,17 @@ std::string stream_text(const StreamInfo& stream) {
     return text;
 }
 
+/// "2 people, 7 in control"
+std::string people_text(const ProcessedFrame& frame, bool tracked) {
+    if (!frame.set.bodies) return {};
+    const std::size_t count = frame.set.bodies->bodies.size();
+    std::string text = count == 0   ? "nobody"
+                       : count == 1 ? "1 person"
+                                    : fmt::format("{} people", count);
+    if (frame.primary_id != 0) text += fmt::format(", {} in control", frame.primary_id);
+    return tracked ? text : text + " (recorded)";
+}
+
 }  // namespace
 
 Viewer::Viewer(const ReplayOptions& options, const Settings& settings, Window& window,
@@ -85,6 +96,7 @@ Result<void> Viewer::open(std::size_t index) {
     KINO_ASSIGN(auto playing, Playing::open(uris_[index], {.loop = options_.loop,
                                                            .speed = options_.speed,
                                                            .filters = options_.filters,
+                                                           .bodies = options_.bodies,
                                                            .stepped = options_.stepped}));
     desk_.reset();
     playing_ = std::move(playing);
@@ -152,6 +164,9 @@ void Viewer::act(Action action) {
         case Action::toggle_controls:
             if (!desk_) say("this source has no knobs");
             show_controls_ = !show_controls_;
+            break;
+        case Action::toggle_bodies:
+            toggle_bodies();
             break;
         case Action::toggle_overlay:
             settings_.show_overlay = !settings_.show_overlay;
@@ -309,6 +324,14 @@ void Viewer::toggle_recording() {
     say("recording ended");
 }
 
+void Viewer::toggle_bodies() {
+    const bool on = !playing_->runner().status().bodies;
+    // A trouble that stays is told again.
+    bodies_trouble_.clear();
+    playing_->runner().set_bodies(on);
+    say(on ? "looking for bodies" : "bodies off");
+}
+
 /// What the source and the recorder said since last asked.
 void Viewer::hear_source() {
     const LiveStatus status = playing_->runner().status();
@@ -318,6 +341,13 @@ void Viewer::hear_source() {
     const std::string trouble = status.recording ? status.recording->error : std::string();
     if (!trouble.empty() && trouble != recording_trouble_) say("recording: " + trouble);
     recording_trouble_ = trouble;
+    if (!status.bodies_error.empty() && status.bodies_error != bodies_trouble_) {
+        say(status.bodies_error);
+    }
+    bodies_trouble_ = status.bodies_error;
+    for (const GestureEvent& gesture : playing_->runner().take_gestures()) {
+        gesture_lines_.add(gesture, now_ns());
+    }
 }
 
 OverlayText Viewer::overlay_text() {
@@ -335,6 +365,8 @@ OverlayText Viewer::overlay_text() {
     if (frame_) {
         text.stages = frame_->times;
         text.points = frame_->valid_points;
+        text.tracking = frame_->tracking;
+        text.people = people_text(*frame_, status.bodies);
     }
     text.latency = latency_;
     if (status.recording) {
@@ -366,6 +398,8 @@ void Viewer::draw_panels(const WindowInput& input) {
                       status.frame_count > 0 ? playing_->time_of(status.frame_count - 1) : 0);
     if (request.seek) runner.seek(*request.seek);
     if (request.toggle_pause) act_on_playing(Action::pause);
+    if (frame_ && !help_) draw_body_labels(*frame_, view_);
+    gesture_lines_.draw(now_ns());
     draw_measure(measure_, view_, measuring_);
     if (last_.depth_at_m && probed_) draw_cursor_depth(input.cursor_px, *last_.depth_at_m);
     if (show_controls_ && desk_) draw_controls(*desk_);

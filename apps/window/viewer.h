@@ -51,6 +51,7 @@ class Viewer {
     [[nodiscard]] OverlayText overlay_text();
     void start_recording(const std::filesystem::path& file);
     void toggle_recording();
+    void toggle_bodies();
     void finish_recording();
     void hear_source();
     void click();
@@ -78,6 +79,8 @@ class Viewer {
     bool show_controls_ = false;
     std::int64_t heard_events_ = 0;
     std::string recording_trouble_;
+    std::string bodies_trouble_;
+    GestureLines gesture_lines_;
     std::optional<ProcessedFrame> frame_;
     bool frame_is_fresh_ = false;
     Latency latency_;

@@ -3,7 +3,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "tests/skeleton/gestures/stage.h"
+#include "tests/skeleton/gestures/scripts.h"
 
 /// Who is in control, what everyday motion does, and learned gestures.
 namespace kino {
@@ -104,59 +104,6 @@ TEST(Primary, HandsOverByWavingAgain) {
     EXPECT_TRUE(user.wave(3, 14 * kNsPerSecond, 2, d));
 }
 
-// Random everyday arms: scratching, carrying, folding, hands in the hips, pockets, looking at a
-// watch, a hand at the chin, rubbing, with pauses; standing or stepping about.
-test::PoseAt everyday(std::uint64_t seed, double seconds) {
-    test::Random random(seed);
-    const auto pose = [&](std::size_t side) {
-        const double j = random.real(-0.12, 0.12), k = random.real(-0.12, 0.12);
-        switch (random.integer(0, 9)) {
-            case 0:  // scratching the head
-                return arm(side, {0.7 + j, 0.1 + k, 0.6}, {-0.6, 0.9, 0.1 + j});
-            case 1:  // the chin
-                return arm(side, {0.2 + j, -0.8, 0.5 + k}, {-0.5, 0.8, 0.35});
-            case 2:  // on the hip
-                return arm(side, {0.75 + j, -0.8, -0.25}, {-0.7, -0.6 + k, 0.3});
-            case 3:  // carrying before the belly
-                return arm(side, {0.15 + j, -1, 0.1}, {-0.2, -0.1 + k, 1});
-            case 4:  // folded
-                return arm(side, {0.2 + j, -0.9, 0.35}, {-0.95, 0.1 + k, 0.35});
-            case 5:  // a pocket
-                return arm(side, {0.35 + j, -1, -0.15}, {-0.1, -1, 0.3 + k});
-            case 6:  // the other elbow
-                return arm(side, {0.1 + j, -0.8, 0.5}, {-0.9, -0.15 + k, 0.5});
-            default:
-                return arm(side, {0.15 + j, -1, k}, {0.05, -1, 0.2 + j});
-        }
-    };
-    std::vector<Key> keys;
-    for (double t = 0; t < seconds;) {
-        Key key{t, pose(0), pose(1)};
-        if (!keys.empty() && random.chance(0.5))
-            (random.chance(0.5) ? key.left : key.right) =
-                random.chance(0.5) ? keys.back().left : keys.back().right;
-        keys.push_back(key);
-        t += random.real(0.45, 1.2);
-        if (random.chance(0.7)) {
-            key.time_s = t;
-            keys.push_back(key);
-            t += random.real(0.3, 3);
-        }
-    }
-    const double phase = random.real(0, 6);
-    const auto arms = keyed(keys);
-    return [=](double t) {
-        BodyPose out = arms(t);
-        const BodyPose walk = pose_at(Motion::walk, t + phase);
-        if (std::fmod(t, 20) > 13) {
-            const auto carried = out.arm;
-            out = walk;
-            if (std::fmod(t, 40) > 20) out.arm = carried;
-        }
-        return out;
-    };
-}
-
 TEST(Everyday, FiveMinutesGiveAtMostOneFalseEvent) {
     int total = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -164,7 +111,7 @@ TEST(Everyday, FiveMinutesGiveAtMostOneFalseEvent) {
         long_take.seconds = 300;
         long_take.noise_m = 0.008;
         long_take.seed = seed;
-        const auto got = kinds(recognize(record(everyday(seed, 300), long_take)));
+        const auto got = kinds(recognize(record(test::everyday(seed, 300), long_take)));
         for (const K k : got)
             std::printf("false %s, seed %d\n", std::string(gesture_name(k)).c_str(),
                         static_cast<int>(seed));

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "tests/skeleton/gestures/stage.h"
+#include "tests/skeleton/gestures/scripts.h"
 
 namespace kino {
 namespace {
@@ -12,6 +12,8 @@ namespace {
 using test::arm;
 using test::Key;
 using test::keyed;
+using test::kHangL;
+using test::kHangR;
 using test::kinds;
 using test::recognize;
 using test::record;
@@ -19,85 +21,10 @@ using test::scripted;
 using testing::IsEmpty;
 using K = GestureKind;
 
-const ArmPose kHangL = arm(0, {0.15, -1, 0}, {0.05, -1, 0.2});
-const ArmPose kHangR = arm(1, {0.15, -1, 0}, {0.05, -1, 0.2});
-const ArmPose kReadyL = arm(0, {0.3, -0.8, 0.5}, {0, 0.1, 1});
-const ArmPose kReadyR = arm(1, {0.3, -0.8, 0.5}, {0, 0.1, 1});
-const ArmPose kOutR = arm(1, {0.6, -0.45, 0.65}, {0.75, 0.1, 0.7});
-const ArmPose kAcrossR = arm(1, {0.0, -0.5, 0.85}, {-0.7, 0.1, 0.7});
-const ArmPose kHighR = arm(1, {0.2, 0.1, 1}, {0.0, 0.9, 0.6});
-const ArmPose kLowR = arm(1, {0.2, -0.55, 0.8}, {0.0, -0.3, 0.95});
-
-std::vector<Key> stroke(const ArmPose& from, const ArmPose& to, double seconds) {
-    return {{0, kHangL, kHangR},
-            {0.5, kHangL, kHangR},
-            {1.3, kHangL, from},
-            {1.8, kHangL, from},
-            {1.8 + seconds, kHangL, to},
-            {2.4 + seconds, kHangL, to},
-            {3.2 + seconds, kHangL, kHangR},
-            {5, kHangL, kHangR}};
-}
-
-struct Scene {
-    const char* name;
-    test::PoseAt pose;
-    std::vector<K> expected;
-    double seconds = 10;
-};
-
-std::vector<Scene> scenes() {
-    const auto spread = [](double s) {  // two hands from near to far
-        return std::vector<Key>{{0, kHangL, kHangR},
-                                {0.5, kHangL, kHangR},
-                                {1.3, arm(0, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1}),
-                                 arm(1, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1})},
-                                {2.0, arm(0, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1}),
-                                 arm(1, {0.1, -0.7, 0.7}, {-0.2, 0.1, 1})},
-                                {2.0 + s, arm(0, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8}),
-                                 arm(1, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8})},
-                                {2.6 + s, arm(0, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8}),
-                                 arm(1, {0.5, -0.6, 0.6}, {0.7, 0.1, 0.8})},
-                                {3.4 + s, kHangL, kHangR},
-                                {6, kHangL, kHangR}};
-    };
-    return {
-        {"wave", scripted(Motion::wave), {K::wave}},
-        {"swipe twice", scripted(Motion::swipe), {K::swipe_left, K::swipe_left}},
-        {"raise both", scripted(Motion::raise), {K::raise_both}},
-        {"push three times", scripted(Motion::push), {K::push, K::push, K::push}},
-        {"t-pose", scripted(Motion::tpose), {K::t_pose}},
-        {"swipe left", keyed(stroke(kOutR, kAcrossR, 0.5)), {K::swipe_left}, 5},
-        {"swipe right", keyed(stroke(kAcrossR, kOutR, 0.5)), {K::swipe_right}, 5},
-        {"swipe up", keyed(stroke(kLowR, kHighR, 0.5)), {K::swipe_up}, 5},
-        {"swipe down", keyed(stroke(kHighR, kLowR, 0.5)), {K::swipe_down}, 5},
-        {"raise right",
-         keyed({{0, kHangL, kHangR},
-                {1, kHangL, kHangR},
-                {2, kHangL, arm(1, {0.3, 1, 0.1}, {0, 1, 0.1})},
-                {3.5, kHangL, arm(1, {0.3, 1, 0.1}, {0, 1, 0.1})},
-                {4.5, kHangL, kHangR}}),
-         {K::raise},
-         6},
-        {"zoom", keyed(spread(1.0)), {K::zoom}, 6},
-        {"dwell",
-         keyed({{0, kHangL, kHangR},
-                {1, kHangL, kHangR},
-                {1.8, kHangL, arm(1, {0.2, -0.3, 1}, {0, 0.1, 1})},
-                {4.5, kHangL, arm(1, {0.2, -0.3, 1}, {0, 0.1, 1})},
-                {5.3, kHangL, kHangR}}),
-         {K::dwell},
-         6.5},
-        {"idle", scripted(Motion::idle), {}},
-        {"walk", scripted(Motion::walk), {}},
-        {"turn", scripted(Motion::turn), {}},
-    };
-}
-
 class AtRate : public testing::TestWithParam<double> {};
 
 TEST_P(AtRate, EveryScriptGivesItsGesturesAndNoOther) {
-    for (const Scene& scene : scenes()) {
+    for (const test::Script& scene : test::scripts()) {
         const auto events = recognize(record(scene.pose, {scene.seconds, GetParam()}));
         EXPECT_EQ(kinds(events), scene.expected) << scene.name;
         for (const GestureEvent& e : events) {
@@ -110,7 +37,7 @@ TEST_P(AtRate, EveryScriptGivesItsGesturesAndNoOther) {
 INSTANTIATE_TEST_SUITE_P(Gestures, AtRate, testing::Values(15.0, 30.0, 60.0));
 
 TEST(Gestures, HappenAtTheSameTimeAtEveryRate) {
-    for (const Scene& scene : scenes()) {
+    for (const test::Script& scene : test::scripts()) {
         const auto slow = recognize(record(scene.pose, {scene.seconds, 15}));
         const auto fast = recognize(record(scene.pose, {scene.seconds, 60}));
         for (const GestureEvent& a : slow) {
@@ -129,7 +56,7 @@ TEST(Gestures, RecallAndPrecisionWithNoise) {
     int expected = 0, found = 0, seen = 0;
     for (const double noise_m : {0.005, 0.01, 0.015}) {
         for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-            for (const Scene& scene : scenes()) {
+            for (const test::Script& scene : test::scripts()) {
                 auto want = scene.expected;
                 const auto got =
                     kinds(recognize(record(scene.pose, {scene.seconds, 30, noise_m, seed})));
@@ -165,7 +92,7 @@ TEST(Gestures, RecallAndPrecisionWithNoise) {
 
 TEST(Gestures, ScaleWithTheBody) {
     // A child's arms are as long in their own measure: the same events at 0.6 of the size.
-    for (const Scene& scene : scenes()) {
+    for (const test::Script& scene : test::scripts()) {
         auto frames = record(scene.pose, {scene.seconds, 30});
         for (BodyFrame& frame : frames)
             for (Body& body : frame.bodies) {
@@ -178,7 +105,7 @@ TEST(Gestures, ScaleWithTheBody) {
 }
 
 TEST(Zoom, ValueIsTheRatioOfTheDistances) {
-    for (const Scene& scene : scenes()) {
+    for (const test::Script& scene : test::scripts()) {
         if (std::string_view(scene.name) != "zoom") continue;
         const auto events = recognize(record(scene.pose, {scene.seconds, 30}));
         std::vector<double> values;

@@ -23,8 +23,14 @@ constexpr float kBoneRadius = 0.014f;
 /// More bodies than any sensor tracks; a hostile session must not exhaust the frame's memory.
 constexpr std::size_t kMostBodies = 32;
 
-/// One colour a person, by identity.
-glm::vec3 color_of(std::uint32_t id) {
+bool usable(const JointPosition& joint) {
+    return joint.state != JointState::lost && std::isfinite(joint.position_m.x) &&
+           std::isfinite(joint.position_m.y) && std::isfinite(joint.position_m.z);
+}
+
+}  // namespace
+
+glm::vec3 person_color(std::uint32_t id) {
     constexpr std::array<glm::vec3, 6> kColors = {{{0.20f, 0.85f, 0.95f},
                                                    {1.00f, 0.62f, 0.18f},
                                                    {0.55f, 0.90f, 0.35f},
@@ -33,13 +39,6 @@ glm::vec3 color_of(std::uint32_t id) {
                                                    {0.66f, 0.55f, 0.98f}}};
     return kColors[id % kColors.size()];
 }
-
-bool usable(const JointPosition& joint) {
-    return joint.state != JointState::lost && std::isfinite(joint.position_m.x) &&
-           std::isfinite(joint.position_m.y) && std::isfinite(joint.position_m.z);
-}
-
-}  // namespace
 
 std::optional<SkeletonRequest> skeleton_wanted(const Scene& scene, const View& view) {
     SkeletonRequest request;
@@ -56,7 +55,7 @@ std::optional<SkeletonRequest> skeleton_wanted(const Scene& scene, const View& v
             const JointPosition& parent = node.body[kJointParent[j]];
             if (!usable(joint) || !(place(joint).z > near)) continue;
             const bool inferred = joint.state == JointState::inferred;
-            const glm::vec3 color = color_of(node.id) * (inferred ? 0.8f : 1.0f);
+            const glm::vec3 color = person_color(node.id) * (inferred ? 0.8f : 1.0f);
             request.capsules.push_back({.a = place(joint),
                                         .radius_a = kJointRadius * (inferred ? 0.7f : 1.0f),
                                         .b = place(joint),

@@ -18,6 +18,9 @@ struct SkeletonRequest {
     std::vector<shared::CapsuleRecord> capsules;  ///< view space
 };
 
+/// One colour a person, by identity; sRGB.
+[[nodiscard]] glm::vec3 person_color(std::uint32_t id);
+
 /// Nothing where the scene has no body with a joint in front of the camera.
 [[nodiscard]] std::optional<SkeletonRequest> skeleton_wanted(const Scene& scene, const View& view);
 
