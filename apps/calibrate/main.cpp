@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/calibrate/board_depth.h"
 #include "apps/calibrate/depth_planes.h"
 #include "apps/calibrate/outputs.h"
 #include "apps/calibrate/session_shots.h"
@@ -39,7 +40,8 @@ void say(std::string_view line) {
     fmt::print(stderr, "{}\n", line);
 }
 
-Result<Shots> gather(const Options& options, const Board& board, std::vector<std::string>& notes) {
+Result<Shots> gather(const Options& options, const Board& board, std::vector<ViewDepth>& depth,
+                     std::vector<std::string>& notes) {
     if (!options.images.empty()) {
         KINO_ASSIGN(const PictureSet set, pictures_in(options.images));
         return shots_of_pictures(set, board, notes, say);
@@ -52,7 +54,7 @@ Result<Shots> gather(const Options& options, const Board& board, std::vector<std
     if (uri.empty()) {
         KINO_ASSIGN(uri, first_device());
     }
-    return shots_of_session(uri, board, {.views = options.views}, notes, say);
+    return shots_of_session(uri, board, {.views = options.views}, depth, notes, say);
 }
 
 // What a session knows besides its cameras: serial, range, disparity.
@@ -106,7 +108,8 @@ Result<void> run(const Options& options) {
         how.models = {*known};
     }
     Report report;
-    KINO_ASSIGN(const Shots shots, gather(options, board, report.notes));
+    std::vector<ViewDepth> depth;
+    KINO_ASSIGN(const Shots shots, gather(options, board, depth, report.notes));
     KINO_ASSIGN(report.calibration, calibrate(shots, how));
     report.board = board_text(board);
     report.title = "Calibration";
@@ -117,8 +120,12 @@ Result<void> run(const Options& options) {
     if (!options.depth.empty()) {
         KINO_ASSIGN(report.planes, depth_planes(options.depth, 100));
     }
-    const RigParameters rig = rig_of(report.calibration, base_rig(options),
-                                     {options.depth_shift[0], options.depth_shift[1]});
+    RigParameters rig = rig_of(report.calibration, base_rig(options),
+                               {options.depth_shift[0], options.depth_shift[1]});
+    // The board stands where the infrared camera, which is the depth camera, saw it.
+    const bool from_infrared =
+        report.calibration.cameras[0].name == stream_name(StreamKind::infrared);
+    if (from_infrared) use_board_depth(report.calibration, board, depth, rig, report.notes);
     KINO_TRY(write_outputs(options.outputs, report, rig));
     if (options.json) {
         fmt::print("{}", report_json(report));

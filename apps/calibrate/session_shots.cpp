@@ -34,7 +34,7 @@ class Capture {
     Capture(Source& source, const Board& board, const SessionShotsOptions& options)
         : source_(source), board_(board), options_(options) {}
 
-    Result<Shots> run(std::vector<std::string>& notes,
+    Result<Shots> run(std::vector<ViewDepth>& depth, std::vector<std::string>& notes,
                       const std::function<void(std::string_view)>& progress) {
         KINO_TRY(subscribe());
         Gathering gathering(board_, cameras_);
@@ -55,7 +55,9 @@ class Capture {
             const bool good = worth_taking(quick);
             last_ = quick;
             if (!good) continue;
-            KINO_TRY(gathering.add(fmt::format("frame {}", set->index), look(pictures, false)));
+            const std::string view = fmt::format("frame {}", set->index);
+            KINO_TRY(gathering.add(view, look(pictures, false)));
+            if (set->depth) depth.push_back({view, set->depth});
             taken_.push_back(quick);
             if (progress) progress(fmt::format("view {}: frame {}", taken_.size(), set->index));
         }
@@ -80,6 +82,9 @@ class Capture {
                 kinds_.push_back(kind);
                 break;
             }
+        }
+        for (const StreamInfo& stream : source_.info().streams) {
+            if (stream.id.kind == StreamKind::depth) KINO_TRY(source_.subscribe(stream.id));
         }
         if (cameras_.empty()) {
             return fail("neither infrared nor colour is in this source", source_.info().uri);
@@ -141,10 +146,11 @@ class Capture {
 }  // namespace
 
 Result<Shots> shots_of_session(const std::string& uri, const Board& board,
-                               const SessionShotsOptions& options, std::vector<std::string>& notes,
+                               const SessionShotsOptions& options, std::vector<ViewDepth>& depth,
+                               std::vector<std::string>& notes,
                                const std::function<void(std::string_view)>& progress) {
     KINO_ASSIGN(const auto source, open_source(uri));
-    return Capture(*source, board, options).run(notes, progress);
+    return Capture(*source, board, options).run(depth, notes, progress);
 }
 
 }  // namespace kino

@@ -1,15 +1,23 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "base/frame.h"
 #include "calibration/boards/board.h"
 #include "calibration/solve/shots.h"
 
 namespace kino {
+
+/// The depth that came with a view.
+struct ViewDepth {
+    std::string view;
+    std::shared_ptr<const DepthFrame> frame;
+};
 
 struct SessionShotsOptions {
     int views = 30;                 ///< enough
@@ -22,6 +30,7 @@ struct SessionShotsOptions {
 /// it has. Ends with the source, with Ctrl-C, or with enough views.
 [[nodiscard]] Result<Shots> shots_of_session(const std::string& uri, const Board& board,
                                              const SessionShotsOptions& options,
+                                             std::vector<ViewDepth>& depth,
                                              std::vector<std::string>& notes,
                                              const std::function<void(std::string_view)>& progress);
 
