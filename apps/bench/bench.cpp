@@ -63,6 +63,14 @@ void BenchContext::claim(std::string sentence, bool holds) {
     claims_.push_back({std::move(sentence), holds});
 }
 
+void BenchContext::section(std::string markdown) {
+    sections_.push_back(std::move(markdown));
+}
+
+void BenchContext::file(std::string name, std::string bytes) {
+    files_.push_back({std::move(name), std::move(bytes)});
+}
+
 void BenchContext::set_device(std::string description) {
     device_ = std::move(description);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <limits>
 #include <span>
 #include <string>
@@ -37,6 +38,11 @@ class BenchContext {
     /// The given options, or a fifth of the repeats (at least five) with --quick.
     [[nodiscard]] RepeatOptions repeats(RepeatOptions full = {}) const;
 
+    /// Folders given on the command line: the pretrained trees of the Point Cloud Library, and real
+    /// frames with joints2d.json. Empty where not given.
+    std::filesystem::path peer;
+    std::vector<std::filesystem::path> marked;
+
     /// One line on stderr with the time since the entry began.
     void progress(std::string_view what) const;
 
@@ -53,6 +59,10 @@ class BenchContext {
     void note(std::string sentence);
     /// Whether what we promise holds on this machine; told on the page and on stderr.
     void claim(std::string sentence, bool holds);
+    /// Markdown for the page, after the notes.
+    void section(std::string markdown);
+    /// A file beside the page; `name` is relative to the page's folder.
+    void file(std::string name, std::string bytes);
     /// Device and driver used, for the page's description of the machine.
     void set_device(std::string description);
     /// The entry could not do its work: the program ends with an error after the other entries.
@@ -66,6 +76,11 @@ class BenchContext {
     [[nodiscard]] std::span<const BenchRow> rows() const { return rows_; }
     [[nodiscard]] std::span<const std::string> notes() const { return notes_; }
     [[nodiscard]] std::span<const Claim> claims() const { return claims_; }
+    struct File {
+        std::string name, bytes;
+    };
+    [[nodiscard]] std::span<const std::string> sections() const { return sections_; }
+    [[nodiscard]] std::span<const File> files() const { return files_; }
     [[nodiscard]] const std::string& device() const { return device_; }
     [[nodiscard]] std::span<const Error> errors() const { return errors_; }
 
@@ -76,6 +91,8 @@ class BenchContext {
     std::vector<BenchRow> rows_;
     std::vector<std::string> notes_;
     std::vector<Claim> claims_;
+    std::vector<std::string> sections_;
+    std::vector<File> files_;
     std::string device_;
     std::vector<Error> errors_;
 };

@@ -27,6 +27,8 @@ struct Options {
     bool quick = false;
     std::string csv_file;
     std::string docs_folder;
+    std::string peer;
+    std::vector<std::string> marked;
     std::string command;
 };
 
@@ -48,7 +50,8 @@ const Entry* find_entry(const std::string& name) {
 }
 
 Result<void> write_docs(const Entry& entry, const BenchContext& bench, const Options& options) {
-    const std::filesystem::path stem = std::filesystem::path(options.docs_folder) / entry.name;
+    const std::filesystem::path stem =
+        std::filesystem::path(options.docs_folder) / (entry.page.empty() ? entry.name : entry.page);
     const auto with = [&](const char* extension) {
         return std::filesystem::path(stem).concat(extension);
     };
@@ -58,13 +61,18 @@ Result<void> write_docs(const Entry& entry, const BenchContext& bench, const Opt
     KINO_TRY(write_text(with(".md"), markdown_page(bench, {.description = entry.description,
                                                            .machine = machine,
                                                            .command = options.command,
-                                                           .with_plot = plotted.has_value()})));
+                                                           .with_plot = plotted.has_value(),
+                                                           .page = entry.page})));
+    for (const auto& file : bench.files())
+        KINO_TRY(write_text(stem.parent_path() / file.name, file.bytes));
     return plotted;
 }
 
 /// One entry from start to files. False if anything of it failed.
 bool run_entry(const Entry& entry, const Options& options, std::string& csv) {
     BenchContext bench(std::string(entry.name), options.quick);
+    bench.peer = options.peer;
+    bench.marked.assign(options.marked.begin(), options.marked.end());
     try {
         entry.run(bench);
     } catch (const std::exception& thrown) {
@@ -139,6 +147,11 @@ int main(int argc, char** argv) {
     app.add_option("--docs", options.docs_folder,
                    "also write NAME.csv, NAME.md and NAME.svg into DIR (docs/accuracy for "
                    "committed figures)")
+        ->type_name("DIR");
+    app.add_option("--peer", options.peer,
+                   "the unpacked trees of PCL's people tracker (forest1_tree_20.txt, ...)")
+        ->type_name("DIR");
+    app.add_option("--marked", options.marked, "real frames with joints2d.json; may be repeated")
         ->type_name("DIR");
     try {
         app.parse(argc, argv);

@@ -13,6 +13,14 @@ constexpr Entry kEntries[] = {
     {"filters", "depth filters against synthetic truth, real frames and librealsense's defaults",
      &bench_filters},
 #endif
+#ifdef KINO_BENCH_GESTURES
+    {"gestures", "recall and precision of the gestures on scripts, noise and logs of people",
+     &bench_gestures},
+#endif
+#ifdef KINO_BENCH_JOINT_FILTERS
+    {"joint-filters", "lag and jitter of the joint filters on logs of body trackers",
+     &bench_joint_filters},
+#endif
 #ifdef KINO_BENCH_CODECS
     {"codecs", "lossless codecs of sessions against zstd, lz4, PNG and RVL", &bench_codecs},
 #endif
@@ -24,7 +32,17 @@ constexpr Entry kEntries[] = {
     {"registration", "depth to colour against the double reference and OpenCV",
      &bench_registration},
 #endif
-    {"", "", &no_entry},
+#ifdef KINO_BENCH_CALIBRATION
+    {"calibration", "cameras from boards against synthetic truth, OpenCV and published values",
+     &bench_calibration},
+#endif
+#ifdef KINO_BENCH_FOREST
+    {"forest", "body parts of our forest and of the pretrained one", &bench_forest},
+#endif
+#ifdef KINO_BENCH_BODIES
+    {"bodies", "joints of tracked bodies: error, jitter, lag and time", &bench_bodies, "skeleton"},
+#endif
+    {"", "", &no_entry, {}},
 };
 }  // namespace
 

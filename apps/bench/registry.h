@@ -9,9 +9,14 @@ namespace kino {
 
 // The entries; each is defined in the file of its name.
 void bench_filters(BenchContext& context);
+void bench_gestures(BenchContext& context);
+void bench_joint_filters(BenchContext& context);
 void bench_codecs(BenchContext& context);
 void bench_raster(BenchContext& context);
 void bench_registration(BenchContext& context);
+void bench_calibration(BenchContext& context);
+void bench_forest(BenchContext& context);
+void bench_bodies(BenchContext& context);
 
 namespace bench {
 
@@ -19,6 +24,7 @@ struct Entry {
     std::string_view name;
     std::string_view description;
     void (*run)(BenchContext&);
+    std::string_view page{};  ///< name of the page and its files, where not that of the entry
 };
 
 /// All entries of this build, by name.

@@ -61,7 +61,8 @@ std::string csv_lines(const BenchContext& bench) {
 std::string markdown_page(const BenchContext& bench, const PageFacts& facts) {
     std::string page = fmt::format("# {}\n\n{}.\n\n", bench.name(), facts.description);
     if (facts.with_plot) {
-        page += fmt::format("![{0}: error against time]({0}.svg)\n\n", bench.name());
+        const std::string_view stem = facts.page.empty() ? bench.name() : facts.page;
+        page += fmt::format("![{}: error against time]({}.svg)\n\n", bench.name(), stem);
     }
     page +=
         "| case | knob | level | ms, median | ms, 95 % | error | metric | baseline | speedup |\n"
@@ -80,6 +81,7 @@ std::string markdown_page(const BenchContext& bench, const PageFacts& facts) {
     }
     if (!bench.notes().empty()) page += "\n## Notes\n\n";
     for (const std::string& note : bench.notes()) page += fmt::format("- {}\n", note);
+    for (const std::string& section : bench.sections()) page += "\n" + section;
     page += "\n## Machine\n\n";
     page += fmt::format("- {}\n", facts.machine);
     if (!bench.device().empty()) page += fmt::format("- {}\n", bench.device());

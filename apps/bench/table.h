@@ -22,6 +22,7 @@ struct PageFacts {
     std::string_view machine;
     std::string_view command;
     bool with_plot = false;
+    std::string_view page{};  ///< stem of the files, where not the entry's name
 };
 [[nodiscard]] std::string markdown_page(const BenchContext& bench, const PageFacts& facts);
 
