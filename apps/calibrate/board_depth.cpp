@@ -58,7 +58,10 @@ void use_board_depth(const Calibration& calibration, const Board& board,
             }
         }
     }
-    if (const auto complaint = scale_complaint(metric, board.square_m)) notes.push_back(*complaint);
+    // Depth and board contradict each other: one must not correct the other.
+    if (const auto complaint = scale_complaint(metric, board.square_m)) {
+        return notes.push_back(*complaint);
+    }
     if (raw.empty()) return;
     const auto fit = fit_disparity(raw, rig.disparity);
     if (!fit) return notes.push_back(fit.error().to_string());
