@@ -61,11 +61,11 @@ struct PersonTest {
     float min_free_core = 0.6f;      ///< share of the area within 0.45 m of the centroid
     // With a head, so near that its outline is no noise:
     float head_within_m = 3.5f;
-    float min_head_free = 0.4f;     ///< of the outline: the seat and the desk are not
+    float min_head_free = 0.7f;     ///< of the outline: the seat and the desk are not
     float min_head_top_m = 0.55f;   ///< above the floor
     float min_still_top_m = 0.95f;  ///< and for what has not moved: chairs are lower
     float max_head_area_m2 = 1.1f;
-    float min_head_core = 0.5f;  ///< share of the area within 0.35 m of the head, seen from above
+    float min_head_core = 0.55f;  ///< share of the area within 0.35 m of the head, seen from above
 
     /// Somebody, as he may first be seen. Chairs are too low, tables too low and too bound to the
     /// room, shelves and walls are not free of what is around them; lamps and plants too thin.

@@ -22,6 +22,8 @@ constexpr float kFarM = 0.5f;  // whoever came so far is no part of the room
 constexpr int kManyStirs = 6;
 constexpr float kTallM = 1.3f;  // higher than chairs
 constexpr float kHeadHits = 2;
+constexpr double kOtherSize = 0.8;   // ratio of areas, logarithm: not the same thing
+constexpr float kSteadyHead = 0.7f;  // of the pictures, where nothing moves
 constexpr double kStillHeadS = 0.3;  // a head that shows for so long needs no motion
 constexpr double kRecentS = 1.5;
 constexpr std::size_t kMaxTracks = 12;  // confirmed or not
@@ -58,6 +60,18 @@ bool trunk_of(const Blob& main, const Blob& piece) {
                return level_distance(h.upright_m, piece.centroid_m) < 0.3f && down > 0.15f &&
                       down < 0.9f;
            });
+}
+
+/// What was his a moment ago, and is near his trunk or moves: a desk on which he leant does not.
+bool limb_of(const Blob& main, const Blob& piece) {
+    if (piece.mine < 0.5f) return false;
+    const glm::vec3 middle = main.heads.empty() ? main.centroid_m : main.heads.front().upright_m;
+    // Behind the shoulders is the back of his chair.
+    if (!main.heads.empty() && middle.z - piece.centroid_m.z > 0.16f &&
+        middle.y - piece.centroid_m.y < 0.75f) {
+        return false;
+    }
+    return piece.changed > 0.15f || level_distance(middle, piece.centroid_m) < 0.45f;
 }
 
 /// Somebody of his own, whoever may be beside him; a fist before a shoulder is not.
@@ -257,12 +271,12 @@ std::vector<Blob> PersonTracker::gather(std::vector<Blob> blobs, TimeNs time) co
     }
     for (Blob& piece : pieces) {
         if (piece.area_m2 < 0.003f) continue;
-        const bool loose = piece.known < 0.5f && piece.mine < 0.5f;
+        const bool loose = piece.known < 0.5f;
         Blob* best = nullptr;
         float least = 1;
         for (Blob& main : mains) {
             const float d = apart(piece, main, 0.15f, 0.35f);
-            if (d < least && (!loose || trunk_of(main, piece))) {
+            if (d < least && (!loose || trunk_of(main, piece) || limb_of(main, piece))) {
                 least = d;
                 best = &main;
             }
@@ -297,8 +311,9 @@ void PersonTracker::sight(PersonTrack& track, Blob blob, TimeNs time) {
         follow(track.top_m, blob.max_m.y);
     }
     if (blob.changed > kStirred) ++track.stirs;
-    track.moved =
-        track.moved || track.stirs >= kStirs || glm::distance(at, track.born_at_m) > kMovedM;
+    // What somebody else hides more and more moves its centroid as well.
+    const bool away = glm::distance(at, track.born_at_m) > kMovedM && track.stirs > 0;
+    track.moved = track.moved || track.stirs >= kStirs || away;
     if (!blob.heads.empty()) {
         // Of several the nearest to where it was; a new one's best.
         const glm::vec3 expected = upright_of(track.expected_head_m(time));
@@ -312,6 +327,7 @@ void PersonTracker::sight(PersonTrack& track, Blob blob, TimeNs time) {
         track.head_m = camera_of(own->upright_m);
         track.head_seen = std::max<TimeNs>(time, 1);
         track.head_hits += weight(blob, *own);
+        ++track.head_pictures;
     } else {
         track.head_m += at - track.at_m;
     }
@@ -340,6 +356,7 @@ void PersonTracker::begin(Blob blob, TimeNs time) {
         track.head_m = camera_of(head.upright_m);
         track.head_seen = std::max<TimeNs>(time, 1);
         track.head_hits = weight(blob, head);
+        track.head_pictures = 1;
     }
     track.doubted = std::any_of(doubted_m_.begin(), doubted_m_.end(), [&](const glm::vec3& d) {
         return level_distance(d, blob.centroid_m) < 0.4f;
@@ -357,13 +374,19 @@ bool PersonTracker::proven(const PersonTrack& track) const {
     if (!options_.ask_for_motion) return true;
     if (!track.in_front()) {
         const bool long_seen = to_seconds(track.seen - track.born) >= kStillHeadS;
-        if (headed && long_seen && !track.doubted) return true;
+        const bool steady = track.head_hits >= kSteadyHead * static_cast<float>(track.sightings);
+        if (headed && steady && long_seen && !track.doubted) return true;
+        // From the side, but nothing else around: somebody who stands alone.
+        const bool alone = tall && !blob.cut && blob.free > 0.9f &&
+                           static_cast<float>(track.head_pictures) >=
+                               kSteadyHead * static_cast<float>(track.sightings);
+        if (alone && headed && !track.doubted) return true;
         return track.moved && (headed || tall);
     }
     // Without a head: cut off by the upper edge of the picture, on the floor, or on the way.
     if (headed || (tall && track.head_hits >= 1) || blob.border || test_.lying(blob)) return true;
     const bool far = glm::distance(track.at_m, track.born_at_m) > kFarM;
-    return (tall && track.moved) || (far && track.stirs >= kManyStirs);
+    return (tall && track.moved) || ((far || test_.accepts(blob)) && track.stirs >= kManyStirs);
 }
 
 bool PersonTracker::protects(const PersonTrack& track, TimeNs time) const {
@@ -402,12 +425,12 @@ double PersonTracker::cost(const PersonTrack& track, const Blob& blob, TimeNs ti
         }
         level = std::min(level, 0.5 * (level + nearest));
     }
-    if (level > gate) return kNoPair;
+    const double size = std::abs(std::log(blob.area_m2 / track.area_m2));
+    if (level > gate || (track.id == 0 && size > kOtherSize)) return kNoPair;
     // Somebody else of another height came where he was lost.
     if (track.seen < last_ && unseen > 0.5 * kRecentS && head_height > 0.2) return kNoPair;
     const double up = std::abs(expected.y - blob.centroid_m.y);
     const double top = std::abs(track.top_m - blob.max_m.y);
-    const double size = std::abs(std::log(blob.area_m2 / track.area_m2));
     const double stranger = track.id == 0 ? 0.5 : 0.0;
     return level + 0.4 * up + 0.3 * std::min(top, 0.5) + 0.1 * std::min(size, 2.0) + stranger;
 }

@@ -40,6 +40,7 @@ struct PersonTrack {
     glm::vec3 born_at_m{0};
     glm::vec3 head_m{0};       ///< as last seen
     TimeNs head_seen = 0;      ///< 0: never
+    int head_pictures = 0;     ///< with a head
     float head_hits = 0;       ///< pictures with a head; an unsure one counts less
     int stirs = 0;             ///< pictures in which part of it had changed
     bool moved = false;        ///< has stirred, or has left the place of birth

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "sensor/openers.h"
 #include "sensor/png_io.h"
 #include "sensor/source.h"
+#include "skeleton/actors/actor_sequence.h"
 #include "skeleton/people/head_finder.h"
 #include "skeleton/people/people_finder.h"
 #include "tests/skeleton/people/clip_metres.h"
@@ -23,7 +25,9 @@ namespace kino {
 namespace {
 
 struct Arguments {
-    std::string what, uri, sheet;
+    std::string what, uri, sheet, motion;
+    int takes = 8, actors = 1, seed = 1, most = 90;
+    double lead_in_s = 0;
     int every = 12, columns = 6, width = 240, from = 0;
     bool moving = false, heads = false, metres = false, verbose = false;
 };
@@ -46,6 +50,94 @@ void mark_heads(const PeopleFinder& finder, const PeopleFrame& people, Image<Rgb
         }
     }
     fmt::print("\n");
+}
+
+/// Takes of varied people in varied rooms: who is found, with what mask, and who is not there.
+int actors(const Arguments& a) {
+    std::vector<Image<Rgba8>> pictures;
+    double frames = 0, right = 0, missed = 0, more = 0, mask = 0, masks = 0, changes = 0;
+    for (int i = 0; i < a.takes; ++i) {
+        ActorTake take;
+        take.seed = static_cast<std::uint64_t>(a.seed + i);
+        take.motion = a.motion;
+        take.actors = a.actors;
+        take.lead_in_s = a.lead_in_s;
+        auto sequence = ActorSequence::create(take);
+        if (!sequence) {
+            std::fprintf(stderr, "%s\n", sequence.error().to_string().c_str());
+            return 1;
+        }
+        auto rig = Rig::create((*sequence)->rig());
+        PeopleOptions options;
+        options.moving_sensor = a.moving;
+        auto finder = PeopleFinder::create(rig->depth_rays(), options);
+        ActorFrame frame;
+        PeopleFrame people;
+        std::set<std::uint32_t> ids;
+        double take_frames = 0, take_right = 0, take_missed = 0, take_more = 0, take_mask = 0,
+               take_masks = 0;
+        const int count = std::min((*sequence)->frames(), a.most);
+        const int start = static_cast<int>((a.lead_in_s + 0.7) * (*sequence)->rate_hz());
+        for (int k = 0; k < count; ++k) {
+            (*sequence)->render(k, frame);
+            finder->find(frame.depth_m, frame.time, std::nullopt, people);
+            std::array<int, 16> seen{};
+            std::array<std::array<int, 16>, kPersonSlots + 1> both{};
+            std::array<int, kPersonSlots + 1> labelled{};
+            for (std::size_t p = 0; p < frame.actor.size(); ++p) {
+                const int who = frame.depth_m.data()[p] > 0 ? frame.actor.data()[p] : 0;
+                ++seen[static_cast<std::size_t>(who)];
+                const std::uint8_t slot = people.labels.data()[p];
+                ++labelled[slot];
+                ++both[slot][static_cast<std::size_t>(who)];
+            }
+            if (k % a.every == a.from) {
+                pictures.push_back(test::label_picture(frame.depth_m, people.labels, a.width));
+                if (a.heads) mark_heads(*finder, people, pictures.back());
+            }
+            if (k < start) continue;
+            int there = 0, found = 0;
+            std::array<bool, kPersonSlots + 1> used{};
+            for (int who = 1; who <= a.actors; ++who) {
+                const auto w = static_cast<std::size_t>(who);
+                if (seen[w] < 600) continue;
+                ++there;
+                for (const Person& p : people.people) {
+                    const double overlap = static_cast<double>(both[p.slot][w]) /
+                                           (seen[w] + labelled[p.slot] - both[p.slot][w]);
+                    if (both[p.slot][w] < seen[w] / 2 || used[p.slot]) continue;
+                    used[p.slot] = true;
+                    ++found;
+                    ids.insert(p.id);
+                    take_mask += overlap;
+                    ++take_masks;
+                }
+            }
+            take_frames += 1;
+            take_missed += found < there;
+            take_more += static_cast<int>(people.people.size()) > found;
+            take_right += found == there && static_cast<int>(people.people.size()) == found;
+        }
+        fmt::print(
+            "seed {:3}: right {:5.1f} %, missed {:5.1f} %, more {:5.1f} %, overlap {:.3f}, ids "
+            "{}\n",
+            take.seed, 100 * take_right / take_frames, 100 * take_missed / take_frames,
+            100 * take_more / take_frames, take_mask / std::max(take_masks, 1.0), ids.size());
+        frames += take_frames;
+        right += take_right;
+        missed += take_missed;
+        more += take_more;
+        mask += take_mask;
+        masks += take_masks;
+        changes += static_cast<double>(ids.size()) - a.actors;
+    }
+    fmt::print(
+        "{} takes, {:.0f} frames: right {:.1f} %, missed {:.1f} %, more {:.1f} %, overlap "
+        "{:.3f}, ids too many {:.0f}\n",
+        a.takes, frames, 100 * right / frames, 100 * missed / frames, 100 * more / frames,
+        mask / std::max(masks, 1.0), changes);
+    if (a.sheet.empty()) return 0;
+    return write_png_rgba8(a.sheet, test::contact_sheet(pictures, a.columns)) ? 0 : 1;
 }
 
 int rooms(const Arguments& a) {
@@ -149,9 +241,16 @@ int main(int argc, char** argv) {
         if (word == "--columns") a.columns = std::max(1, std::atoi(next().c_str()));
         if (word == "--width") a.width = std::max(16, std::atoi(next().c_str()));
         if (word == "--metres") a.metres = true;
+        if (word == "--takes") a.takes = std::atoi(next().c_str());
+        if (word == "--actors") a.actors = std::atoi(next().c_str());
+        if (word == "--seed") a.seed = std::atoi(next().c_str());
+        if (word == "--frames") a.most = std::atoi(next().c_str());
+        if (word == "--motion") a.motion = next();
+        if (word == "--lead-in") a.lead_in_s = std::atof(next().c_str());
         if (word == "--heads") a.heads = true;
         if (word == "--moving") a.moving = true;
         if (word == "--verbose") a.verbose = true;
     }
+    if (a.what == "actors") return kino::actors(a);
     return a.what == "rooms" ? kino::rooms(a) : kino::run(a);
 }
