@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "skeleton/actors/actor_sequence.h"
+#include "skeleton/actors/gesture_motion.h"
 #include "skeleton/actors/pose_library.h"
 #include "skeleton/actors/recorded_motion.h"
 #include "skeleton/actors/scripted_motion.h"
@@ -91,6 +92,7 @@ class WanderMotion : public ActorMotion {
 std::vector<std::string> actor_motions() {
     std::vector<std::string> names = {"arms", "wander", "sit", "crouch", "bend"};
     for (const Motion motion : all_motions()) names.emplace_back(motion_name(motion));
+    names.insert(names.end(), gesture_motions().begin(), gesture_motions().end());
     names.insert(names.end(), scripted_motions().begin(), scripted_motions().end());
     for (const BuiltInRecording& recording : built_in_recordings()) {
         names.emplace_back(recording.name);
@@ -115,6 +117,7 @@ Result<std::shared_ptr<const ActorMotion>> make_actor_motion(const std::string& 
         return std::make_shared<LoopMotion>(*motion,
                                             seed % 2 == 0 ? 0 : random.in(0, kMotionPeriodS));
     }
+    if (auto gesture = gesture_motion(name)) return gesture;
     if (auto scripted = scripted_motion(name, random.bits())) return scripted;
     if (auto recorded = built_in_motion(name)) return recorded;
     if (name.starts_with("log:")) {

@@ -87,15 +87,20 @@ Result<void> StagedSequence::stage() {
     for (int i = 0; i < take_.actors; ++i) {
         Player player;
         player.body = make_actor_body(random_look(random.bits()));
-        const bool partner = i == 1 && players_[0].motion->props().partner;
+        const bool partner = i == 1 && !take_.script && players_[0].motion->props().partner;
         const std::string name =
             partner || (i == 0 && !take_.motion.empty()) ? take_.motion : random_motion(random);
         // An even seed: the named motion from its beginning.
         const std::uint64_t seed = i == 0 ? random.bits() & ~std::uint64_t{1} : random.bits();
-        KINO_ASSIGN(player.motion, make_actor_motion(name, seed));
+        if (i == 0 && take_.script) {
+            player.motion = take_.script;
+        } else {
+            KINO_ASSIGN(player.motion, make_actor_motion(name, seed));
+        }
         player.place_m = {0, -distance};
         if (i == 0) {
-            player.yaw_rad = take_.motion.empty() ? random.normal(0, 0.35) : random.normal(0, 0.1);
+            player.yaw_rad = take_.motion.empty() && !take_.script ? random.normal(0, 0.35)
+                                                                   : random.normal(0, 0.1);
             player.place_m.x = random.in(-0.15, 0.15) * distance;
         } else {
             player.yaw_rad = random.normal(0, 0.6);

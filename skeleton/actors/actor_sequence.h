@@ -15,6 +15,8 @@
 
 namespace kino {
 
+class ActorMotion;  // actor_motion.h
+
 /// One picture of a synthetic take with its truth.
 struct ActorFrame {
     TimeNs time = 0;
@@ -37,6 +39,8 @@ struct ActorTake {
     int width = 320, height = 240;
     std::optional<double> distance_m;  ///< of the first actor at the start
     double lead_in_s = 0;              ///< so long the empty room is shown first
+    /// Instead of a named motion, e.g. posed_motion() of a test's own script.
+    std::shared_ptr<const ActorMotion> script = nullptr;
 };
 
 class ActorSequence {

@@ -53,13 +53,11 @@ void random_hand(ActorRandom& random, int side, ArmPose& arm) {
     arm.palm = glm::normalize(dvec3(-sign_of(side), -0.3, -0.2) + 1.3 * random_direction(random));
 }
 
-// The elbow swivels round the line from shoulder to wrist; it likes to hang, outwards.
-ArmPose reach(ActorRandom& random, int side, const dvec3& wrist) {
-    const double s = sign_of(side);
+// The elbow swivels round the line from shoulder to wrist to where it is wished.
+ArmPose bent_to(int side, const dvec3& wrist, const dvec3& wish) {
     const dvec3 line = wrist - shoulder_of(side);
     const double d = std::clamp(glm::length(line), 0.09, kUpperArm + kForearm - 0.003);
     const dvec3 along = glm::normalize(line);
-    const dvec3 wish = dvec3(0.55 * s, -0.8, -0.25) + 0.6 * random_direction(random);
     dvec3 across = wish - along * glm::dot(wish, along);
     across = glm::dot(across, across) > 1e-6 ? glm::normalize(across) : kZ;
     const double a = (d * d + kUpperArm * kUpperArm - kForearm * kForearm) / (2 * d);
@@ -67,8 +65,19 @@ ArmPose reach(ActorRandom& random, int side, const dvec3& wrist) {
     ArmPose arm;
     arm.upper = glm::normalize(along * a + across * h);
     arm.lower = glm::normalize(along * d - arm.upper * kUpperArm);
-    random_hand(random, side, arm);
     arm.shrug_rad = 0.35 * std::clamp(arm.upper.y + 0.3, 0.0, 1.0);
+    return arm;
+}
+
+// Elbows like to hang, outwards.
+dvec3 elbow_wish(int side) {
+    return {0.55 * sign_of(side), -0.8, -0.25};
+}
+
+ArmPose reach(ActorRandom& random, int side, const dvec3& wrist) {
+    const dvec3 wish = elbow_wish(side) + 0.6 * random_direction(random);
+    ArmPose arm = bent_to(side, wrist, wish);
+    random_hand(random, side, arm);
     return arm;
 }
 
@@ -264,6 +273,13 @@ void trunk_for(ActorRandom& random, Stance stance, BodyPose& pose) {
 }
 
 }  // namespace
+
+ArmPose arm_to(int side, const dvec3& wrist_m) {
+    ArmPose arm = bent_to(side, wrist_m, elbow_wish(side));
+    arm.hand = arm.lower;
+    arm.palm = {-0.3 * sign_of(side), -0.2, 1};
+    return arm;
+}
 
 void change_upper_body(ActorRandom& random, BodyPose& pose) {
     pose.neck = about(kY, std::clamp(random.normal(0, 0.40), -1.2, 1.2)) *

@@ -21,4 +21,8 @@ enum class Stance : std::uint8_t {
 /// New arms, head and a little of the trunk for a pose.
 void change_upper_body(ActorRandom& random, BodyPose& pose);
 
+/// An arm whose wrist is at a place in the chest's frame (origin in the joint `spine`, m), pulled
+/// in if out of reach; the elbow hangs outwards, the hand goes on along the forearm, palm forwards.
+[[nodiscard]] ArmPose arm_to(int side, const glm::dvec3& wrist_m);
+
 }  // namespace kino
