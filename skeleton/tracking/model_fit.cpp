@@ -358,13 +358,21 @@ void ModelFit::judge(const FitEvidence& evidence, const JointedModel& model, Fit
     result.cost = sum / n;
     result.on_model = static_cast<float>(on) / n;
     result.side = sided > 0 ? side / static_cast<float>(sided) : 0;
-    if (evidence.space) {
-        int wrong = 0;
-        for (const Probe& probe : kProbes) {
-            wrong += probe_gap(evidence, model, probe).gap_m > 0.05f ? 1 : 0;
-        }
-        result.free = static_cast<float>(wrong) / static_cast<float>(kProbes.size());
+    if (!evidence.space) return;
+    int wrong = 0;
+    for (const Probe& probe : kProbes) {
+        wrong += probe_gap(evidence, model, probe).gap_m > 0.05f ? 1 : 0;
     }
+    result.free = static_cast<float>(wrong) / static_cast<float>(kProbes.size());
+}
+
+float ModelFit::expected_points(const FitEvidence& evidence, const JointedModel& model, Bone bone) {
+    const BoneShape& shape = bone_shape(bone);
+    const vec3 a = model.node[shape.from], b = model.node[shape.to];
+    const float cell = std::max(0.3f, 0.5f * (a.z + b.z)) * evidence.cell_tangent;
+    const float across = std::hypot(b.x - a.x, b.y - a.y), radius = model.radius_m(bone, 0.5f);
+    return std::clamp((across + radius) * radius / (cell * cell), 1.0f,
+                      static_cast<float>(evidence.per_part));
 }
 
 }  // namespace kino

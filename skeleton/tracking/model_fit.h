@@ -21,6 +21,8 @@ struct FitEvidence {
     const FreeSpace* space = nullptr;
     PinholeFit camera;
     FloorPlane floor;
+    float cell_tangent = 0.01f;  ///< distance between neighbouring points at one metre, metres
+    int per_part = 36;           ///< points are thinned to so many
 };
 
 /// What is believed before the frame is seen.
@@ -63,6 +65,9 @@ class ModelFit {
              JointedModel& model, FitResult& result);
     /// Of the model as it is.
     void judge(const FitEvidence& evidence, const JointedModel& model, FitResult& result);
+    /// Points on half of a bone if it were seen whole.
+    [[nodiscard]] static float expected_points(const FitEvidence& evidence,
+                                               const JointedModel& model, Bone bone);
     /// After fit() with the shape free: information that this frame adds about a factor.
     [[nodiscard]] double shape_information(int factor);
 

@@ -177,6 +177,8 @@ bool PersonSkeleton::update(const PersonView& view, TimeNs time) {
     evidence.space = view.space;
     evidence.camera = view.camera;
     evidence.floor = view.floor;
+    evidence.cell_tangent = view.cell_tangent;
+    evidence.per_part = options_.points_per_part;
     ++frames_;
     if (!known_) {
         mean_.fill(1);
@@ -198,9 +200,9 @@ bool PersonSkeleton::update(const PersonView& view, TimeNs time) {
         before_dt_s_ = dt_s;
         moving_ = dt_s < kGapS;
         const bool bad = result_.on_model < 0.7f || result_.free > 0.12f || dt_s > kGapS;
+        learn(dt_s);
         if (bad || frames_ % 16 == 0) static_cast<void>(restart(evidence, true));
     }
-    learn(dt_s);
     for (std::size_t i = 0; i < kLengthCount; ++i) {
         if (anchor_[i] == 0) continue;
         model_.shape.factor[i] =
@@ -209,20 +211,14 @@ bool PersonSkeleton::update(const PersonView& view, TimeNs time) {
     }
     model_.place();
     time_ = time;
-    describe(view, dt_s);
+    describe(evidence, dt_s);
     return true;
 }
 
-void PersonSkeleton::describe(const PersonView& view, double dt_s) {
+void PersonSkeleton::describe(const FitEvidence& evidence, double dt_s) {
     const auto blend = static_cast<float>(std::clamp(dt_s / 0.15, 0.2, 1.0));
-    const auto expected = [&](Bone bone) {  // points on half of it if it were seen whole
-        const BoneShape& shape = bone_shape(bone);
-        const vec3 a = model_.node[shape.from], b = model_.node[shape.to];
-        const float z = std::max(0.3f, 0.5f * (a.z + b.z));
-        const float cell = z * view.cell_tangent;
-        const float across = glm::length(glm::vec2(b.x - a.x, b.y - a.y));
-        const float area = (across + model_.radius_m(bone, 0.5f)) * model_.radius_m(bone, 0.5f);
-        return std::clamp(area / (cell * cell), 1.0f, static_cast<float>(options_.points_per_part));
+    const auto expected = [&](Bone bone) {
+        return ModelFit::expected_points(evidence, model_, bone);
     };
     for (std::size_t s = 0; s < kSegmentCount; ++s) {
         const Bone bone = bone_of(static_cast<Segment>(s));

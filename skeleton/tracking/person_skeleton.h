@@ -23,7 +23,7 @@ struct SkeletonOptions {
     int rounds = 5;  ///< of the fit
     int points_per_part = 36;
     double learn_s = 2.5;  ///< bone lengths are free for so long
-    float hold = 0.012f;  ///< and then stay within this share
+    float hold = 0.012f;   ///< and then stay within this share
 };
 
 /// The jointed model of one person, carried through time.
@@ -47,7 +47,7 @@ class PersonSkeleton {
     bool restart(const FitEvidence& evidence, bool compare);
     void try_limbs(const FitEvidence& evidence);
     void learn(double dt_s);
-    void describe(const PersonView& view, double dt_s);
+    void describe(const FitEvidence& evidence, double dt_s);
 
     SkeletonOptions options_;
     ModelFit fit_;

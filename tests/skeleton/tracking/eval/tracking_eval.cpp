@@ -28,12 +28,14 @@ struct Arguments {
 };
 
 int usage() {
-    fmt::print(stderr,
-               "usage: tracking_eval [--source synthetic|actors] [--motion M] [--seeds A-B]\n"
-               "  [--width W] [--distance M] [--actors N] [--noise 0|1] [--furniture 0|1]\n"
-               "  [--people truth|finder] [--forest FILE] [--filter F] [--from N] [--frames N]\n"
-               "  [--lead S] [--sheet out.png] [--sheet-every N] [--columns N]\n"
-               "people truth: true masks and true parts; finder: the whole tracker.\n");
+    fmt::print(
+        stderr,
+        "usage: tracking_eval [--source synthetic|actors] [--motion M] [--seeds A-B]\n"
+        "  [--width W] [--distance M] [--actors N] [--noise 0|1] [--furniture 0|1]\n"
+        "  [--people truth|mask|finder] [--forest FILE] [--filter F] [--from N] [--frames N]\n"
+        "  [--lead S] [--sheet out.png] [--sheet-every N] [--columns N]\n"
+        "people truth: true masks and true parts; mask: true masks, parts of the forest; finder: "
+        "the whole tracker.\n");
     return 2;
 }
 
@@ -51,7 +53,7 @@ Result<void> run(const Arguments& args) {
     Score all;
     Clocks clocks;
     std::shared_ptr<const Forest> forest;
-    if (args.people == "finder") {
+    if (args.people != "truth") {
         if (args.forest.empty()) {
             KINO_ASSIGN(forest, default_forest());
         } else {
@@ -80,7 +82,8 @@ Result<void> run(const Arguments& args) {
         const PinholeFit camera = PinholeFit::of(take.rays);
         TruthTracker truth_tracker(take.rays);
         std::optional<BodyTracker> tracker;
-        if (forest) {
+        if (args.people == "mask") truth_tracker.label_by(*forest);
+        if (args.people == "finder") {
             BodyTrackerOptions options;
             options.filter = args.filter;
             KINO_ASSIGN(BodyTracker made, BodyTracker::create(take.rays, forest, options));

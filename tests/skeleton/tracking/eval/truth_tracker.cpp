@@ -8,6 +8,24 @@
 
 namespace kino::test {
 
+void TruthTracker::add_labelled(const TakeFrame& frame, std::uint8_t id, int step) {
+    Image<std::uint16_t> mm(rays_.width(), rays_.height());
+    for (std::size_t i = 0; i < mm.size(); ++i) {
+        mm.data()[i] = static_cast<std::uint16_t>(
+            std::clamp(frame.depth_m.data()[i] * 1000 + 0.5f, 0.0f, 32000.0f));
+    }
+    const Image<std::uint16_t>& depth = mm;
+    body_depth_.set(depth.view(), frame.actor.view(), id, static_cast<double>(camera_.fx), step);
+    labeller_->label(body_depth_, labels_);
+    std::array<float, kBodyPartCount> share{};
+    for (std::size_t i = 0; i < body_depth_.count(); ++i) {
+        const int x = body_depth_.x(i), y = body_depth_.y(i);
+        const float z = frame.depth_m.at(x, y);
+        labeller_->shares(labels_, i, share);
+        points_.add({rays_.at(x, y).x * z, rays_.at(x, y).y * z, z}, share);
+    }
+}
+
 BodyFrame TruthTracker::track(const TakeFrame& frame, const FloorPlane& floor) {
     BodyFrame out;
     out.time = frame.time;
@@ -30,8 +48,9 @@ BodyFrame TruthTracker::track(const TakeFrame& frame, const FloorPlane& floor) {
         const int step =
             std::clamp(static_cast<int>(std::lround(std::sqrt(pixels / 1800.0))), 1, 8);
         points_.clear();
+        if (labeller_) add_labelled(frame, id, step);
         std::array<float, kBodyPartCount> share{};
-        for (int y = box.y0; y < box.y1; y += step) {
+        for (int y = box.y0; !labeller_ && y < box.y1; y += step) {
             for (int x = box.x0; x < box.x1; x += step) {
                 const float z = frame.depth_m.at(x, y);
                 const std::uint8_t part = frame.part.at(x, y);
