@@ -16,6 +16,7 @@
 #include "skeleton/forest/body_part.h"
 #include "skeleton/forest/default_forest.h"
 #include "skeleton/forest/forest_file.h"
+#include "skeleton/forest/tree_pruning.h"
 
 namespace kino {
 namespace {
@@ -300,23 +301,27 @@ void add_accuracy(BenchContext& context, const std::string& set, const std::stri
     context.add(row);
 }
 
-/// Accuracy of parts of our forest: fewer trees, shallower ones.
-void add_knobs(BenchContext& context, const PictureSet& set, const Forest& forest) {
-    const auto cut_trees = [&](std::size_t trees) {
+/// What fewer or shallower trees would cost in accuracy, and save in bytes.
+void add_sizes(BenchContext& context, const PictureSet& set, const Forest& forest) {
+    std::string table =
+        "| trees | depth | MB | right pixels | mean of the parts |\n|---:|---:|---:|---:|---:|\n";
+    int deepest = 0;
+    for (const ForestTree& tree : forest.trees) deepest = std::max(deepest, tree_depth(tree));
+    const auto add = [&](const Forest& f, int depth) {
+        const PartConfusion c = confusion_of(PartJudge::ours(f), set.pictures);
+        table += fmt::format("| {} | {} | {:.2f} | {} | {} |\n", f.trees.size(), depth,
+                             1e-6 * static_cast<double>(forest_to_bytes(f).size()),
+                             percent(c.accuracy()), percent(c.part_accuracy()));
+    };
+    for (const int depth : {8, 10, 12, 14, 16, 18})
+        if (depth < deepest) add(shallower(forest, depth), depth);
+    for (std::size_t trees = 1; trees <= forest.trees.size(); ++trees) {
         Forest f = forest;
         f.trees.resize(trees);
-        return f;
-    };
-    for (std::size_t trees = 1; trees <= forest.trees.size(); ++trees) {
-        const Forest f = cut_trees(trees);
-        BenchRow row;
-        row.case_name = set.name;
-        row.knob = "trees";
-        row.level = std::to_string(trees);
-        row.error = 1 - confusion_of(PartJudge::ours(f), set.pictures).accuracy();
-        row.metric = "share of wrong pixels";
-        context.add(row);
+        // Distributions of the other trees would be counted.
+        add(shallower(f, deepest), deepest);
     }
+    context.section(fmt::format("## {}: size against accuracy\n\n{}", set.name, table));
 }
 
 Result<void> run(BenchContext& context) {
@@ -406,7 +411,7 @@ Result<void> run(BenchContext& context) {
                                   set.name, percent(share(sum(mine))), percent(share(sum(theirs)))),
                       share(sum(mine)) >= share(sum(theirs)));
     }
-    add_knobs(context, sets[0], *forest);
+    add_sizes(context, sets[0], *forest);
     std::optional<PartJudge> usual_peer;
     if (peer) usual_peer = PartJudge::pcl(*peer, usual_factor);
     const PartJudge* peer_judge = usual_peer ? &*usual_peer : nullptr;

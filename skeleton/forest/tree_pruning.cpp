@@ -87,6 +87,19 @@ Forest shallower(const Forest& forest, int depth) {
         }
         tree = breadth_first(tree.nodes, 0);
     }
+    std::vector<std::int32_t> place(out.distributions.size(), -1);
+    std::vector<LabelDistribution> used;
+    for (ForestTree& tree : out.trees)
+        for (ForestNode& n : tree.nodes) {
+            if (!n.is_leaf()) continue;
+            std::int32_t& to = place[static_cast<std::size_t>(n.leaf)];
+            if (to < 0) {
+                to = static_cast<std::int32_t>(used.size());
+                used.push_back(out.distributions[static_cast<std::size_t>(n.leaf)]);
+            }
+            n.leaf = to;
+        }
+    out.distributions = std::move(used);
     return out;
 }
 

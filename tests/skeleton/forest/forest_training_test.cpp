@@ -408,7 +408,20 @@ TEST(TreePruning, AForestKeepsToItsLeavesAndMostOfItsAccuracy) {
 // What the trainer walks and what the labeller walks must be the same thing.
 TEST(TreePruning, AShallowerForestVotesAsTheMeanOfItsLeaves) {
     const Forest forest = test::random_forest(5, 3, 2, 6);
-    EXPECT_EQ(shallower(forest, 6).trees, forest.trees);
+    const Forest same = shallower(forest, 6);
+    for (std::size_t t = 0; t < 2; ++t) {
+        const auto& a = forest.trees[t].nodes;
+        const auto& b = same.trees[t].nodes;
+        ASSERT_EQ(a.size(), b.size());
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            ASSERT_EQ(a[i].is_leaf(), b[i].is_leaf());
+            if (a[i].is_leaf())
+                EXPECT_EQ(forest.distributions[static_cast<std::size_t>(a[i].leaf)],
+                          same.distributions[static_cast<std::size_t>(b[i].leaf)]);
+            else
+                EXPECT_EQ(a[i], b[i]);
+        }
+    }
     for (int depth = 0; depth < 6; ++depth) {
         const Forest cut = shallower(forest, depth);
         ASSERT_EQ(forest_defect(cut), "");
