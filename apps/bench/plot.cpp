@@ -106,6 +106,28 @@ std::string error_panel(const std::string& metric, const Rows& rows, int panel) 
     return text + plots + "\n";
 }
 
+/// Rows that have no time of their own: error against the knob, a line a case.
+std::string knob_panel(const Rows& rows, int panel) {
+    std::vector<std::string> cases;
+    for (const BenchRow* row : rows) append_unique(cases, row->case_name);
+    std::string text = fmt::format(
+        "unset logscale xy\nset xrange [*:*]\nset yrange [0:*]\nset xlabel {}\nset ylabel {}\n",
+        gnuplot_string(rows.front()->knob), gnuplot_string(rows.front()->metric));
+    std::string plots;
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const std::string block = fmt::format("k{}_{}", panel, i);
+        text += fmt::format("${} << EOD\n", block);
+        for (const BenchRow* row : rows) {
+            if (row->case_name == cases[i]) text += fmt::format("{} {}\n", row->level, row->error);
+        }
+        text += "EOD\n";
+        plots += fmt::format("{}${} using 1:2 with linespoints lw 2 pt 7 ps 0.6 lc {} title {}",
+                             plots.empty() ? "plot " : ", \\\n     ", block, i + 1,
+                             gnuplot_string(cases[i]));
+    }
+    return text + plots + "\n";
+}
+
 std::string time_bars(const Rows& rows) {
     std::string text =
         "set style fill solid 0.7\nset boxwidth 0.7\nset xrange [0:*]\n$bars << EOD\n";
@@ -127,14 +149,34 @@ std::string gnuplot_program(const BenchContext& bench, const std::filesystem::pa
     std::vector<std::string> metrics;
     std::map<std::string, Rows> panels;
     Rows timed;
+    std::vector<std::string> knob_metrics;
+    std::map<std::string, Rows> knob_panels;
     for (const BenchRow& row : bench.rows()) {
-        if (!std::isfinite(row.ms_median)) continue;
+        if (!std::isfinite(row.ms_median)) {
+            if (!std::isfinite(row.error) || !is_number(row.level)) continue;
+            append_unique(knob_metrics, row.metric);
+            knob_panels[row.metric].push_back(&row);
+            continue;
+        }
         timed.push_back(&row);
         if (!std::isfinite(row.error)) continue;
         append_unique(metrics, row.metric);
         panels[row.metric].push_back(&row);
     }
-    if (timed.empty()) return {};
+    // A page without any time is of errors alone.
+    if (timed.empty() && knob_metrics.empty()) return {};
+    if (timed.empty()) {
+        std::string text = fmt::format(
+            "set terminal svg size 1000,{} font 'sans-serif,12' background '#ffffff' noenhanced\n"
+            "set output {}\nset grid\nset key outside right top noenhanced\n"
+            "set multiplot layout {},1 title {} noenhanced\n",
+            std::min<std::size_t>(300 * knob_metrics.size(), 2400), gnuplot_string(svg.string()),
+            knob_metrics.size(), gnuplot_string(bench.name()));
+        for (std::size_t i = 0; i < knob_metrics.size(); ++i) {
+            text += knob_panel(knob_panels[knob_metrics[i]], static_cast<int>(i));
+        }
+        return text + "unset multiplot\n";
+    }
 
     const std::size_t count = std::max<std::size_t>(metrics.size(), 1);
     const std::size_t height =

@@ -10,7 +10,8 @@ namespace kino::bench {
 
 /// A gnuplot program that draws the entry into `svg`: error against time, one panel a metric. A
 /// numeric knob gives a line per case, a named one a mark per row, coloured by level. Without any
-/// error it is bars of the times. Empty if no row has a time.
+/// error it is bars of the times. Where no row has a time, it is the error of rows with a numeric
+/// knob against that knob; empty without those.
 [[nodiscard]] std::string gnuplot_program(const BenchContext& bench,
                                           const std::filesystem::path& svg);
 
