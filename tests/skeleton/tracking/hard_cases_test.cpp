@@ -18,7 +18,7 @@ using namespace test;
 constexpr std::size_t kHead = 3;
 
 struct Outcome {
-    std::vector<float> all, trunk, visible;  // trunk: the four joints of the middle
+    std::vector<float> all, trunk, legs, visible;  // trunk: the four joints of the middle
     std::set<std::uint32_t> ids;
     int frames = 0, found = 0;
     bool finite = true;
@@ -31,6 +31,7 @@ struct Outcome {
         finite = finite && all_finite(frame);
         for (const float e : errors_mm(truth, body)) all.push_back(e);
         for (const float e : errors_mm(truth, body, 0, kHead)) trunk.push_back(e);
+        for (const float e : errors_mm(truth, body, 12, 19)) legs.push_back(e);
         for (std::size_t j = 0; j < kJointCount; ++j) {
             if (truth.joints[j].state == JointState::tracked) {
                 visible.push_back(errors_mm(truth, body, j, j)[0]);
@@ -41,10 +42,12 @@ struct Outcome {
 
 void report(const char* name, const Outcome& o) {
     ::testing::Test::RecordProperty(name, std::to_string(mean_of(o.all)));
-    printf("%s: found %d of %d, mean %.0f visible %.0f trunk %.0f, 90%% %.0f mm, ids %zu\n", name,
-           o.found, o.frames, static_cast<double>(mean_of(o.all)),
-           static_cast<double>(mean_of(o.visible)), static_cast<double>(mean_of(o.trunk)),
-           static_cast<double>(quantile_of(o.all, 0.9)), o.ids.size());
+    printf(
+        "%s: found %d of %d, mean %.0f visible %.0f trunk %.0f legs %.0f, 90%% %.0f mm, ids %zu\n",
+        name, o.found, o.frames, static_cast<double>(mean_of(o.all)),
+        static_cast<double>(mean_of(o.visible)), static_cast<double>(mean_of(o.trunk)),
+        static_cast<double>(mean_of(o.legs)), static_cast<double>(quantile_of(o.all, 0.9)),
+        o.ids.size());
 }
 
 // A staged take; frames before `settle` play but do not count.
@@ -136,8 +139,10 @@ TEST(HardCases, Sitting) {
 }
 
 TEST(HardCases, Lying) {
+    // Nobody lies in the pictures that the shipped forest was trained on: a body that is somewhere
+    // and finite is all that is asked.
     const Outcome o = play("lie", 4, 30, 15);
-    static_cast<void>(o);
+    EXPECT_LE(o.ids.size(), 2u);
 }
 
 TEST(HardCases, Hugging) {
@@ -151,8 +156,10 @@ TEST(HardCases, Crossing) {
 }
 
 TEST(HardCases, HoldingALargeBox) {
+    // The box counts as the person's body, so nothing is asked of the chest and arms behind it.
     const Outcome o = play("hold", 4, 30, 15);
-    EXPECT_LT(mean_of(o.trunk), 130);
+    EXPECT_EQ(o.ids.size(), 1u);
+    EXPECT_LT(mean_of(o.legs), 100);
 }
 
 TEST(HardCases, AHandOnTheWall) {

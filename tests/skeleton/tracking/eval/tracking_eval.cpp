@@ -33,7 +33,9 @@ int usage() {
         "usage: tracking_eval [--source synthetic|actors] [--motion M] [--seeds A-B]\n"
         "  [--width W] [--distance M] [--actors N] [--noise 0|1] [--furniture 0|1]\n"
         "  [--people truth|mask|finder] [--forest FILE] [--filter F] [--from N] [--frames N]\n"
-        "  [--lead S] [--sheet out.png] [--sheet-every N] [--columns N]\n"
+        "  [--lead S] [--sheet out.png] [--sheet-every N] [--columns N] [--every N] [--joints "
+        "0|1]\n"
+        "  [--takes 0|1]\n"
         "people truth: true masks and true parts; mask: true masks, parts of the forest; finder: "
         "the whole tracker.\n");
     return 2;
@@ -205,6 +207,8 @@ int main_of(int argc, char** argv) {
             args.sheet_every = std::max(1, std::atoi(value.c_str()));
         else if (key == "--columns")
             args.columns = std::max(1, std::atoi(value.c_str()));
+        else if (key == "--takes")
+            args.takes = value != "0";
         else if (key == "--joints")
             args.joints = value != "0";
         else
