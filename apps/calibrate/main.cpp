@@ -7,17 +7,20 @@
 #include <string>
 
 #include "apps/calibrate/board_depth.h"
-#include "apps/calibrate/depth_planes.h"
 #include "apps/calibrate/outputs.h"
+#include "apps/calibrate/session_check.h"
 #include "apps/calibrate/session_shots.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
 #include "apps/sources.h"
 #include "calibration/boards/gather.h"
+#include "calibration/files/calibration_store.h"
 #include "sensor/source.h"
 
 namespace kino {
 namespace {
+
+constexpr int kCheckFrames = 100;
 
 struct Options {
     std::string images;
@@ -29,6 +32,8 @@ struct Options {
     std::string model = "auto";
     std::string serial;
     std::string depth;
+    std::string check;
+    bool keep = false;
     std::array<double, 2> depth_shift = {0, 0};
     bool squared = false;
     bool json = false;
@@ -92,6 +97,11 @@ void tell(const Report& report) {
 }
 
 Result<void> run(const Options& options) {
+    if (!options.check.empty()) {
+        KINO_ASSIGN(const SessionCheck check, check_session(options.check, kCheckFrames));
+        fmt::print("{}", check_text(check));
+        return {};
+    }
     KINO_ASSIGN(const Board board, parse_board(options.board));
     CalibrateOptions how;
     how.progress = say;
@@ -118,7 +128,8 @@ Result<void> run(const Options& options) {
             (&camera == &report.calibration.cameras[0] ? " of " : " and ") + camera.name;
     }
     if (!options.depth.empty()) {
-        KINO_ASSIGN(report.planes, depth_planes(options.depth, 100));
+        KINO_ASSIGN(SessionCheck check, check_session(options.depth, kCheckFrames));
+        report.planes = std::move(check.planes);
     }
     RigParameters rig = rig_of(report.calibration, base_rig(options),
                                {options.depth_shift[0], options.depth_shift[1]});
@@ -127,6 +138,11 @@ Result<void> run(const Options& options) {
         report.calibration.cameras[0].name == stream_name(StreamKind::infrared);
     if (from_infrared) use_board_depth(report.calibration, board, depth, rig, report.notes);
     KINO_TRY(write_outputs(options.outputs, report, rig));
+    if (options.keep) {
+        KINO_ASSIGN(const auto folder, calibration_folder());
+        KINO_ASSIGN(const auto file, store_calibration(folder, rig));
+        say("kept as " + file.string());
+    }
     if (options.json) {
         fmt::print("{}", report_json(report));
     } else {
@@ -159,6 +175,14 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("--depth-shift", o.depth_shift,
                    "x y: px from the depth image to the infrared one (Kinect v1: 4.8 3.9)");
     app.add_option("--serial", o.serial, "serial number to write into the result");
+    app.add_flag("--keep", o.keep, "keep the calibration for the device of this serial number");
+    app.add_option("--check", o.check,
+                   "no board: depth error of flat parts and how far colour lies from depth, in a "
+                   "session or device")
+        ->excludes(images)
+        ->excludes(pairs)
+        ->excludes(session)
+        ->excludes(uri);
     app.add_option("--depth", o.depth, "session whose flat parts show the depth error by distance");
     app.add_option("--out", o.outputs.rig, "calibration as Kinoscope reads it (JSON)");
     app.add_option("--report", o.outputs.report, "folder for report.html and report.json");

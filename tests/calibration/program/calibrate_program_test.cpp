@@ -30,8 +30,9 @@ struct Ran {
 Ran run(const std::string& arguments, const TempDir& folder) {
     const std::string out = folder / "stdout";
     const std::string err = folder / "stderr";
-    const int status =
-        std::system((KINO_CALIBRATE " " + arguments + " >" + out + " 2>" + err).c_str());
+    const int status = std::system(("XDG_CONFIG_HOME=" + folder.path().string() +
+                                    " " KINO_CALIBRATE " " + arguments + " >" + out + " 2>" + err)
+                                       .c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, test::read_bytes(out),
             test::read_bytes(err)};
 }
@@ -161,19 +162,31 @@ TEST(CalibrateProgram, SessionGivesViewsWhereTheBoardHoldsStillAndItsDepthTheSqu
         }
         ASSERT_TRUE((*recorder)->close());
     }
-    const Ran ran =
-        run("--session " + file + " --model brown4 --out " + (temp / "rig.json").string(), temp);
+    const Ran ran = run(
+        "--session " + file + " --model brown4 --keep --out " + (temp / "rig.json").string(), temp);
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
     EXPECT_THAT(ran.out, HasSubstr("9 views, RMS"));
     const auto found = read_rig_file(temp / "rig.json");
     ASSERT_TRUE(found) << found.error().to_string();
     expect_camera(found->depth);
     EXPECT_EQ(found->serial, "B7");
+    EXPECT_EQ(read_rig_file(temp / "kinoscope/calibration/B7.json").value(), *found);
     EXPECT_THAT(ran.err,
                 testing::ContainsRegex(
                     "the depth says that the squares are (29[.][5-9]|30[.][0-5]) mm, not 25.0 mm"));
     // Nothing is made of depth that the board contradicts.
     EXPECT_EQ(found->disparity, DisparityParameters{});
+}
+
+TEST(CalibrateProgram, CheckNeedsNoBoard) {
+    const TempDir temp;
+    const Ran desk = run("--check recordings/desk", temp);
+    ASSERT_EQ(desk.exit_code, 0) << desk.err;
+    EXPECT_THAT(desk.out, HasSubstr("flat parts at 0.9"));
+    EXPECT_THAT(desk.out, HasSubstr("the calibration still holds"));
+    const Ran bust = run("--check recordings/bust", temp);
+    ASSERT_EQ(bust.exit_code, 0) << bust.err;
+    EXPECT_EQ(run("--check recordings/nowhere", temp).exit_code, 1);
 }
 
 TEST(CalibrateProgram, SaysWhatIsWrong) {
