@@ -10,20 +10,12 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "skeleton/people/blob_relations.h"
+
 namespace kino {
 namespace {
 
 constexpr float kMostlyKnown = 0.5f;
-
-/// Share of the area within a distance of a place, seen from above.
-float core(const Blob& blob, const glm::vec3& middle, float within) {
-    float sum = 0;
-    for (const CellPoint& c : blob.cells) {
-        const glm::vec3 off = c.upright_m - middle;
-        if (std::hypot(off.x, off.z) < within) sum += c.area_m2;
-    }
-    return sum / blob.area_m2;
-}
 
 /// Least standard deviation in any direction: how far from a plane it is. The smallest eigenvalue
 /// of the covariance, by the trigonometric solution for symmetric 3x3 matrices (Smith 1961).
@@ -117,10 +109,10 @@ bool PersonTest::accepts(const Blob& blob) const {
     if (blob.area_m2 < min_area_m2) return false;
     // Without a background only what stands out all around, and is not a panel or a pole.
     const float mean_width = blob.area_m2 / std::max(high, 0.1f);
-    if (!in_front &&
-        (blob.cut || blob.free < min_free || blob.area_m2 < min_free_area_m2 ||
-         mean_width < min_free_width_m || core(blob, blob.centroid_m, 0.45f) < min_free_core ||
-         thickness_m(blob) < min_thickness_m)) {
+    if (!in_front && (blob.cut || blob.free < min_free || blob.area_m2 < min_free_area_m2 ||
+                      mean_width < min_free_width_m ||
+                      area_around(blob, blob.centroid_m, 0.45f) < min_free_core * blob.area_m2 ||
+                      thickness_m(blob) < min_thickness_m)) {
         return false;
     }
     if (lying(blob)) return true;
@@ -142,7 +134,7 @@ bool PersonTest::clear_head(const Blob& blob, const BlobHead& head) const {
         std::hypot(head.upright_m.x, head.upright_m.z) > head_within_m) {
         return false;
     }
-    return core(blob, head.upright_m, 0.35f) >= min_head_core;
+    return area_around(blob, head.upright_m, 0.35f) >= min_head_core * blob.area_m2;
 }
 
 bool PersonTest::lying(const Blob& blob) const {

@@ -12,6 +12,7 @@ namespace {
 constexpr int kCellsAcross = 160;
 constexpr int kMinSide = 16;
 constexpr float kFloorMarginM = 0.05f;
+constexpr float kPassedM = 0.35f;
 constexpr TimeNs kMomentNs = kNsPerSecond / 2;
 constexpr std::size_t kFewestCells = 6;  // of a surface worth looking at
 
@@ -112,7 +113,9 @@ bool PeopleFinder::changed(std::size_t cell) const {
     }
     const float before = before_m_.data()[cell];
     const float noise = options_.background.noise_per_m * z[cell] * z[cell];
-    return before != 0 && std::abs(z[cell] - before) > 0.04f + 7 * noise;
+    // Much nearer before: somebody passed in front of it, which moves nothing here.
+    if (before == 0 || before < z[cell] - kPassedM) return false;
+    return std::abs(z[cell] - before) > 0.04f + 7 * noise;
 }
 
 void PeopleFinder::mark_foreground(const FloorPlane& floor) {

@@ -6,6 +6,7 @@
 #include <glm/matrix.hpp>
 
 #include "skeleton/people/assignment.h"
+#include "skeleton/people/blob_relations.h"
 
 namespace kino {
 namespace {
@@ -26,60 +27,8 @@ constexpr double kOtherSize = 0.8;   // ratio of areas, logarithm: not the same 
 constexpr float kSteadyHead = 0.7f;  // of the pictures, where nothing moves
 constexpr double kStillHeadS = 0.3;  // a head that shows for so long needs no motion
 constexpr double kRecentS = 1.5;
+constexpr float kCoreM = 0.28f;
 constexpr std::size_t kMaxTracks = 12;  // confirmed or not
-
-float level_distance(const glm::vec3& a, const glm::vec3& b) {
-    return std::hypot(a.x - b.x, a.z - b.z);
-}
-
-float core_area(const Blob& blob, const glm::vec3& middle) {
-    float sum = 0;
-    for (const CellPoint& c : blob.cells) {
-        if (level_distance(c.upright_m, middle) < PersonTracker::kCoreM) sum += c.area_m2;
-    }
-    return sum;
-}
-
-float gap(float min_a, float max_a, float min_b, float max_b) {
-    return std::max({0.0f, min_b - max_a, min_a - max_b});
-}
-
-/// How far outside each other two boxes are; 1 where a piece is too far to belong.
-float apart(const Blob& a, const Blob& b, float sideways, float upwards) {
-    const float level = std::hypot(gap(a.min_m.x, a.max_m.x, b.min_m.x, b.max_m.x),
-                                   gap(a.min_m.z, a.max_m.z, b.min_m.z, b.max_m.z));
-    const float up = gap(a.min_m.y, a.max_m.y, b.min_m.y, b.max_m.y);
-    return std::hypot(level / sideways, up / upwards);
-}
-
-/// A trunk that an arm or a collar parts from its head.
-bool trunk_of(const Blob& main, const Blob& piece) {
-    return !piece.cut && piece.area_m2 < 0.6f &&
-           std::any_of(main.heads.begin(), main.heads.end(), [&](const BlobHead& h) {
-               const float down = h.upright_m.y - piece.centroid_m.y;
-               return level_distance(h.upright_m, piece.centroid_m) < 0.3f && down > 0.15f &&
-                      down < 0.9f;
-           });
-}
-
-/// What was his a moment ago, and is near his trunk or moves: a desk on which he leant does not.
-bool limb_of(const Blob& main, const Blob& piece) {
-    if (piece.mine < 0.5f) return false;
-    const glm::vec3 middle = main.heads.empty() ? main.centroid_m : main.heads.front().upright_m;
-    // Behind the shoulders is the back of his chair.
-    if (!main.heads.empty() && middle.z - piece.centroid_m.z > 0.16f &&
-        middle.y - piece.centroid_m.y < 0.75f) {
-        return false;
-    }
-    return piece.changed > 0.15f || level_distance(middle, piece.centroid_m) < 0.45f;
-}
-
-/// Somebody of his own, whoever may be beside him; a fist before a shoulder is not.
-bool independent(const Blob& blob) {
-    if (blob.mine > 0.5f) return false;  // was somebody's a moment ago
-    return blob.head_score() >= kSureHead ? blob.area_m2 > 0.15f
-                                          : blob.head_score() > 0 && blob.area_m2 > 0.3f;
-}
 
 }  // namespace
 
@@ -153,7 +102,7 @@ std::vector<glm::vec3> PersonTracker::seeds_in(const Blob& blob, TimeNs time) co
     for (const PersonTrack& track : tracks_) {
         if (track.id == 0 || to_seconds(time - track.seen) > kRecentS) continue;
         glm::vec3 at = upright_of(track.expected_m(time));
-        if (!free(at, 0.2f) || core_area(blob, at) <= 0.4f * track.core_m2) continue;
+        if (!free(at, 0.2f) || area_around(blob, at, kCoreM) <= 0.4f * track.core_m2) continue;
         if (track.head_seen != 0) {  // a head in view says better than the past where he is
             const glm::vec3 expected = upright_of(track.expected_head_m(time));
             for (const BlobHead& head : blob.heads) {
@@ -307,7 +256,7 @@ void PersonTracker::sight(PersonTrack& track, Blob blob, TimeNs time) {
     const auto follow = [&](float& typical, float now) { typical += w * (now - typical); };
     if (!blob.shared) {
         follow(track.area_m2, blob.area_m2);
-        follow(track.core_m2, core_area(blob, blob.centroid_m));
+        follow(track.core_m2, area_around(blob, blob.centroid_m, kCoreM));
         follow(track.top_m, blob.max_m.y);
     }
     if (blob.changed > kStirred) ++track.stirs;
@@ -347,7 +296,7 @@ void PersonTracker::begin(Blob blob, TimeNs time) {
     track.at_m = camera_of(blob.centroid_m);
     track.born_at_m = track.at_m;
     track.area_m2 = blob.area_m2;
-    track.core_m2 = core_area(blob, blob.centroid_m);
+    track.core_m2 = area_around(blob, blob.centroid_m, kCoreM);
     track.top_m = blob.max_m.y;
     track.born = track.seen = time;
     track.sightings = 1;
@@ -392,7 +341,8 @@ bool PersonTracker::proven(const PersonTrack& track) const {
 bool PersonTracker::protects(const PersonTrack& track, TimeNs time) const {
     if (track.id != 0) return true;
     if (track.doubted) return track.moved;
-    return proven(track) || to_seconds(time - track.born) < options_.patience_s;
+    const double patience = track.head_pictures > 0 ? options_.patience_s : options_.headless_s;
+    return proven(track) || to_seconds(time - track.born) < patience;
 }
 
 void PersonTracker::drop_furniture(TimeNs time) {

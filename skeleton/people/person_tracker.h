@@ -17,9 +17,11 @@ struct TrackerOptions {
     double keep_s = 3;       ///< an identity is kept so long without being seen
     double confirm_s = 0.1;  ///< somebody new is told of after this long and in two pictures
     /// Where no background is known, what shows no head must move to be told of, and is taken for
-    /// furniture after `patience_s`; what has a head but has never moved, after `still_s`. Not for
-    /// a moving sensor, which sees everything move.
+    /// furniture after `headless_s`; what showed a head now and then, after `patience_s`; what has
+    /// a clear and steady one is told of and doubted after `still_s`. Not for a moving sensor,
+    /// which sees everything move.
     bool ask_for_motion = true;
+    double headless_s = 2;
     double patience_s = 5;
     double still_s = 120;
     float gate_m = 0.45f;    ///< how far from the expected place, at least
@@ -33,7 +35,7 @@ struct PersonTrack {
     std::uint8_t slot = 0;
     glm::vec3 at_m{0}, velocity_m_s{0};
     float area_m2 = 0;  ///< typical visible area
-    float core_m2 = 0;  ///< typical area within kCoreM of the centroid, seen from above
+    float core_m2 = 0;  ///< typical area within 0.28 m of the centroid, seen from above
     float top_m = 0;    ///< typical highest point, upright
     TimeNs born = 0, seen = 0;
     int sightings = 0;
@@ -71,8 +73,6 @@ class PersonTracker {
 
     /// Upright places of the heads of those who were seen lately, where they should be now.
     [[nodiscard]] std::vector<glm::vec3> expected_heads(TimeNs time) const;
-
-    static constexpr float kCoreM = 0.28f;
 
   private:
     /// A head on somebody who already has one: perhaps two people came in as one surface.
