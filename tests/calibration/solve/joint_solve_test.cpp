@@ -185,5 +185,17 @@ TEST(LensChoice, TakesTheDistortionThatIsThereAndNoMore) {
     }
 }
 
+TEST(LensChoice, ALittleBetterIsNotEnough) {
+    LensScore simple{LensModel::brown4, 0, 0, {1.0, 1.2, 0.9, 1.1, 1.0}};
+    // Better by 0.01 in the mean, by 0.3 either way in single views.
+    LensScore scattered{LensModel::brown5, 0, 0, {1.3, 0.9, 1.2, 0.8, 0.95}};
+    EXPECT_EQ(choose({simple, scattered}), LensModel::brown4);
+    // Better by a tenth in every view.
+    LensScore steady{LensModel::rational8, 0, 0, {0.9, 1.1, 0.81, 0.99, 0.91}};
+    EXPECT_EQ(choose({simple, steady}), LensModel::rational8);
+    EXPECT_EQ(choose({steady, simple}), LensModel::rational8);
+    EXPECT_EQ(choose({simple}), LensModel::brown4);
+}
+
 }  // namespace
 }  // namespace kino
