@@ -251,7 +251,7 @@ void ModelFit::add_body_knowledge(const FitEvidence& evidence, const JointedMode
 void ModelFit::add_prior(const FitPrior& prior, const JointedModel& model, bool shape) {
     if (shape) {
         // All of a person is larger or smaller together, and each part a little on its own.
-        constexpr double kTogether = 0.09 * 0.09, kAlone = 0.05 * 0.05, kGirthAlone = 0.12 * 0.12;
+        constexpr double kTogether = 0.09 * 0.09, kAlone = 0.03 * 0.03, kGirthAlone = 0.07 * 0.07;
         const auto block = [&](int first, int count, double together, double alone) {
             const double shared = together / (alone + count * together);
             for (int a = 0; a < count; ++a) {
