@@ -6,6 +6,8 @@
 namespace kino {
 namespace {
 
+constexpr float kHeldBeforeM = 0.25f;
+
 float gap(float min_a, float max_a, float min_b, float max_b) {
     return std::max({0.0f, min_b - max_a, min_a - max_b});
 }
@@ -25,10 +27,12 @@ float area_around(const Blob& blob, const glm::vec3& middle, float within_m) {
 }
 
 float apart(const Blob& a, const Blob& b, float sideways_m, float upwards_m) {
-    const float level = std::hypot(gap(a.min_m.x, a.max_m.x, b.min_m.x, b.max_m.x),
-                                   gap(a.min_m.z, a.max_m.z, b.min_m.z, b.max_m.z));
-    const float up = gap(a.min_m.y, a.max_m.y, b.min_m.y, b.max_m.y);
-    return std::hypot(level / sideways_m, up / upwards_m);
+    const float x = gap(a.min_m.x, a.max_m.x, b.min_m.x, b.max_m.x) / sideways_m;
+    const float y = gap(a.min_m.y, a.max_m.y, b.min_m.y, b.max_m.y) / upwards_m;
+    // z is towards the camera: what is held before the body is an arm's length away.
+    const float before = std::max(0.0f, a.min_m.z - b.max_m.z) / (sideways_m + kHeldBeforeM);
+    const float behind = std::max(0.0f, b.min_m.z - a.max_m.z) / sideways_m;
+    return std::hypot(x, y, before + behind);
 }
 
 bool trunk_of(const Blob& main, const Blob& piece) {

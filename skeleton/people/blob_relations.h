@@ -12,8 +12,8 @@ namespace kino {
 /// Area within `within_m` of a place, seen from above.
 [[nodiscard]] float area_around(const Blob& blob, const glm::vec3& middle, float within_m);
 
-/// How far outside each other the boxes of two blobs are, in units of the two distances; below 1 a
-/// piece may belong.
+/// How far the box of `a` is outside that of `b`, in units of the two distances, and of 0.25 m more
+/// towards the camera, where things are held; below 1 `a` may belong to `b`.
 [[nodiscard]] float apart(const Blob& a, const Blob& b, float sideways_m, float upwards_m);
 
 /// A trunk that an arm or a collar parts from its head.

@@ -15,7 +15,8 @@ constexpr float kNoisePerM = 0.0017f;
 constexpr float kFarthestM = 5.0f;  // beyond, noise is as large as a head is deep
 constexpr float kTopToFaceM = 0.12f;
 constexpr float kThinnestM = 0.07f;
-constexpr float kWalkM = 0.55f;  // to each side of the middle
+constexpr float kGoodScore = 0.9f, kSameFaceM = 0.1f;  // no better guess is looked for beside it
+constexpr float kWalkM = 0.55f;                        // to each side of the middle
 
 enum class Reading : std::uint8_t { nearer, on, free, outside };
 
@@ -227,6 +228,11 @@ void HeadFinder::find(const DepthGrid& grid, const Image<std::uint8_t>& mask, co
             // Near faces are many cells wide: every other one will do.
             if (z < 3 && ((x | y) & 1)) continue;
             const glm::vec3 face = grid.point(static_cast<std::size_t>(cell));
+            const bool done =
+                std::any_of(candidates_.begin(), candidates_.end(), [&](const Head& h) {
+                    return h.score >= kGoodScore && glm::distance(h.place_m, face) < kSameFaceM;
+                });
+            if (done) continue;
             const Surroundings around(grid, face, up);
             if (!promising(around)) continue;
             const Outline found = outline(around);

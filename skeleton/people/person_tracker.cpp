@@ -214,8 +214,8 @@ std::vector<Blob> PersonTracker::gather(std::vector<Blob> blobs, TimeNs time) co
                 return apart(blob, owner, 0.15f, 0.35f) < 1;
             });
         };
-        const bool main =
-            held[b] || blob.shared || independent(blob) || (test_.accepts(blob) && !belongs());
+        const bool main = held[b] == 2 || blob.shared || independent(blob) ||
+                          ((held[b] != 0 || test_.accepts(blob)) && !belongs());
         (main ? mains : pieces).push_back(std::move(blob));
     }
     for (Blob& piece : pieces) {

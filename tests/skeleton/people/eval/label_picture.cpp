@@ -15,11 +15,12 @@ Image<Rgba8> label_picture(const Image<float>& depth_m, const Image<std::uint8_t
                                                                      {1.0f, 0.85f, 0.3f},
                                                                      {0.85f, 0.5f, 1.0f},
                                                                      {0.4f, 0.95f, 0.85f}}};
-    const int step = std::max(1, (depth_m.width() + width - 1) / width);
-    Image<Rgba8> out(depth_m.width() / step, depth_m.height() / step);
+    Image<Rgba8> out(width, width * 3 / 4);
+    const int step = std::max(1, depth_m.width() / width);
     for (int y = 0; y < out.height(); ++y) {
         for (int x = 0; x < out.width(); ++x) {
-            const int u = x * step, v = y * step;
+            const int u = x * depth_m.width() / out.width();
+            const int v = y * depth_m.height() / out.height();
             const float z = depth_m.at(u, v);
             Rgba8& p = out.at(x, y);
             p = {18, 18, 24, 255};

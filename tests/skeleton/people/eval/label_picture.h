@@ -7,7 +7,8 @@
 
 namespace kino::test {
 
-/// Depth as a shaded grey picture, thinned to at most `width` columns; labels 1..6 in colours.
+/// Depth as a shaded grey picture of width x 3/4 width, whatever its own size; labels 1..6 in
+/// colours.
 [[nodiscard]] Image<Rgba8> label_picture(const Image<float>& depth_m,
                                          const Image<std::uint8_t>& labels, int width);
 

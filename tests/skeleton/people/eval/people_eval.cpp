@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -140,6 +141,43 @@ int actors(const Arguments& a) {
     return write_png_rgba8(a.sheet, test::contact_sheet(pictures, a.columns)) ? 0 : 1;
 }
 
+/// Time of find(), 640x480: the room still unknown, then with so many people in it.
+int times(const Arguments&) {
+    test::RoomOptions room;
+    room.width = 640;
+    room.height = 480;
+    test::PeopleScene scene(room);
+    PeopleFrame people;
+    for (const int count : {0, 1, 3}) {
+        auto finder = PeopleFinder::create(scene.rays());
+        std::vector<double> first, later;
+        for (int i = 0; i < 90; ++i) {
+            std::vector<test::Actor> cast;
+            const double t = i / 30.0;
+            for (int k = 0; k < count && i >= 30; ++k)
+                cast.push_back(
+                    test::actor_at(-0.8 * k + 0.4 * (count > 1), -2.2 - 0.3 * k, Motion::wave, t));
+            scene.draw(cast, static_cast<std::uint64_t>(i));
+            timespec a{}, b{};
+            clock_gettime(CLOCK_THREAD_CPUTIME_ID, &a);
+            finder->find(scene.depth_m(), (i + 1) * kNsPerSecond / 30, std::nullopt, people);
+            clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b);
+            const double ms = 1e3 * static_cast<double>(b.tv_sec - a.tv_sec) +
+                              1e-6 * static_cast<double>(b.tv_nsec - a.tv_nsec);
+            if (i < 12) first.push_back(ms);
+            if (i >= 40) later.push_back(ms);
+        }
+        std::sort(first.begin(), first.end());
+        std::sort(later.begin(), later.end());
+        fmt::print(
+            "{} people (found {}): {:.2f} ms least, {:.2f} ms median; room unknown: {:.2f} "
+            "ms least, {:.2f} ms median\n",
+            count, people.people.size(), later.front(), later[later.size() / 2], first.front(),
+            first[first.size() / 2]);
+    }
+    return 0;
+}
+
 int rooms(const Arguments& a) {
     std::vector<Image<Rgba8>> pictures;
     for (int i = 0; i < 12; ++i) {
@@ -162,6 +200,63 @@ int rooms(const Arguments& a) {
         mark_heads(*finder, people, pictures.back());
     }
     return write_png_rgba8(a.sheet, test::contact_sheet(pictures, a.columns)) ? 0 : 1;
+}
+
+/// The pictures of docs/people.md: three rows of the clip, one of single pictures, one of takes.
+int sheet(const Arguments& a) {
+    std::vector<Image<Rgba8>> pictures;
+    const auto add = [&](const std::string& uri, bool still, int from, int every, int most) {
+        auto source = open_source(uri);
+        if (!source || !subscribe_all(**source)) return;
+        auto rig = Rig::create(*(*source)->calibration());
+        PeopleOptions options;
+        options.moving_sensor = still;
+        auto finder = PeopleFinder::create(rig->depth_rays(), options);
+        RegisteredDepth depth;
+        PeopleFrame people;
+        int taken = 0;
+        for (int i = 0; taken < most; ++i) {
+            auto set = (*source)->next(0);
+            if (!set || !*set) break;
+            if (!(*set)->depth || !rig->register_depth(*(*set)->depth, depth)) continue;
+            if (!still) test::clip_metres(depth.depth_m);
+            if (still) finder->reset();
+            finder->find(depth.depth_m, (*set)->time, std::nullopt, people);
+            if (still)
+                finder->find(depth.depth_m, (*set)->time + kNsPerSecond / 5, std::nullopt, people);
+            if (i < from || (i - from) % every != 0) continue;
+            pictures.push_back(test::label_picture(depth.depth_m, people.labels, a.width));
+            ++taken;
+        }
+    };
+    add("recordings/person", false, 4, 16, 18);
+    add("recordings/gestures", true, 2, 1, 5);
+    add("recordings/bust", true, 0, 1, 1);
+    struct Scene {
+        const char* motion;
+        int actors, seed, frame;
+    };
+    for (const Scene& scene :
+         {Scene{"enter", 1, 4, 50}, Scene{"lie", 1, 4, 70}, Scene{"hold", 1, 4, 70},
+          Scene{"hug", 2, 5, 104}, Scene{"cross", 2, 5, 100}, Scene{"sit", 1, 5, 100}}) {
+        ActorTake take;
+        take.motion = scene.motion;
+        take.actors = scene.actors;
+        take.seed = static_cast<std::uint64_t>(scene.seed);
+        take.lead_in_s = 1;
+        auto sequence = ActorSequence::create(take);
+        if (!sequence) return 1;
+        auto rig = Rig::create((*sequence)->rig());
+        auto finder = PeopleFinder::create(rig->depth_rays());
+        ActorFrame frame;
+        PeopleFrame people;
+        for (int i = 0; i <= std::min(scene.frame, (*sequence)->frames() - 1); ++i) {
+            (*sequence)->render(i, frame);
+            finder->find(frame.depth_m, frame.time, std::nullopt, people);
+        }
+        pictures.push_back(test::label_picture(frame.depth_m, people.labels, a.width));
+    }
+    return write_png_rgba8(a.uri, test::contact_sheet(pictures, 6), {.compression = 9}) ? 0 : 1;
 }
 
 int run(const Arguments& a) {
@@ -189,11 +284,6 @@ int run(const Arguments& a) {
         finder->find(depth.depth_m, (*set)->time, std::nullopt, people);
         if (a.what == "stills")
             finder->find(depth.depth_m, (*set)->time + 2 * kNsPerSecond / 5, std::nullopt, people);
-        if (std::getenv("DUMP")) {
-            std::FILE* f = std::fopen(fmt::format("/tmp/people/d{:03}.f32", frames).c_str(), "wb");
-            std::fwrite(depth.depth_m.data(), 4, depth.depth_m.size(), f);
-            std::fclose(f);
-        }
         ++histogram[people.people.size()];
         for (const Person& p : people.people) ++ids[p.id];
         if (a.verbose) {
@@ -229,7 +319,11 @@ int run(const Arguments& a) {
 
 int main(int argc, char** argv) {
     kino::Arguments a;
-    if (argc < 3) return std::fprintf(stderr, "people_eval clip|stills SOURCE [...]\n"), 2;
+    if (argc < 3)
+        return std::fprintf(stderr,
+                            "people_eval clip|stills|actors|rooms|times|sheet SOURCE|OUT|- [...]: "
+                            "docs/people.md\n"),
+               2;
     a.what = argv[1];
     a.uri = argv[2];
     for (int i = 3; i < argc; ++i) {
@@ -252,5 +346,7 @@ int main(int argc, char** argv) {
         if (word == "--verbose") a.verbose = true;
     }
     if (a.what == "actors") return kino::actors(a);
+    if (a.what == "times") return kino::times(a);
+    if (a.what == "sheet") return kino::sheet(a);
     return a.what == "rooms" ? kino::rooms(a) : kino::run(a);
 }
