@@ -121,7 +121,7 @@ bool PersonSkeleton::restart(const FitEvidence& evidence, bool compare) {
     fine.shape = !compare;
     fine.start_far_m = 0.15f;
     fit_.fit(evidence, none, fine, best, best_result);
-    constexpr float kBetter = 0.85f;  // a pose that was carried here is worth something
+    constexpr float kBetter = 0.75f;  // a pose that was carried here is worth something
     if (compare && best_result.total() > kBetter * result_.total()) return false;
     model_ = best;
     result_ = best_result;
