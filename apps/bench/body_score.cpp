@@ -28,6 +28,10 @@ void BodyScore::add(const BodyFrame& truth, const BodyFrame& found) {
     }
 }
 
+void BodyScore::add(const BodyScore& other) {
+    errors_.insert(errors_.end(), other.errors_.begin(), other.errors_.end());
+}
+
 ErrorFigures BodyScore::figures(const std::function<bool(const JointError&)>& wanted) const {
     ErrorFigures out;
     for (const JointError& e : errors_) {
@@ -36,11 +40,13 @@ ErrorFigures BodyScore::figures(const std::function<bool(const JointError&)>& wa
         out.mean_mm += static_cast<double>(e.mm);
         out.within_100 += e.mm <= 100 ? 1 : 0;
         out.within_150 += e.mm <= 150 ? 1 : 0;
+        out.lost += e.mm == kLostMm ? 1 : 0;
     }
     const double n = std::max<double>(1, static_cast<double>(out.n));
     out.mean_mm /= n;
     out.within_100 /= n;
     out.within_150 /= n;
+    out.lost /= n;
     return out;
 }
 

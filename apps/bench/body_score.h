@@ -18,7 +18,8 @@ struct JointError {
 
 struct ErrorFigures {
     std::size_t n = 0;
-    double mean_mm = 0, within_100 = 0, within_150 = 0;  ///< shares, 0..1
+    double mean_mm = 0;
+    double within_100 = 0, within_150 = 0, lost = 0;  ///< shares, 0..1
 };
 
 class BodyScore {
@@ -26,6 +27,8 @@ class BodyScore {
     static constexpr float kLostMm = 300;
     /// Each true body is compared with the found one whose hip centre is nearest, within 1 m.
     void add(const BodyFrame& truth, const BodyFrame& found);
+
+    void add(const BodyScore& other);
 
     [[nodiscard]] ErrorFigures figures(
         const std::function<bool(const JointError&)>& wanted = {}) const;
