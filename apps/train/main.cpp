@@ -84,6 +84,7 @@ Result<void> train(const Options& options, const Teller& teller) {
     people.count = options.images;
     KINO_ASSIGN(std::shared_ptr<const TrainingImages> drawn, ActorImages::create(people));
     const CachedImages images(std::move(drawn));
+    teller.say(fmt::format("drawing {} pictures", options.images));
     KINO_ASSIGN(const Forest forest, train_forest(images, training));
     KINO_TRY(write_forest(out, forest));
     std::error_code error;
