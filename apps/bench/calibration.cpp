@@ -261,7 +261,8 @@ void bench_detection(BenchContext& context) {
     const std::vector<bench::Candidate> candidates = {
         {"guided", [&] { (void)find_board(*picture, *board, {.quick = true}); }},
         {"thorough", [&] { (void)find_board(*picture, *board); }},
-        {"guided, ChArUco sought in vain", [&] { (void)find_board(*picture, *other, {.quick = true}); }}};
+        {"guided, ChArUco sought in vain",
+         [&] { (void)find_board(*picture, *other, {.quick = true}); }}};
     const bench::Comparison times = context.compare("detection", candidates);
     for (const auto& candidate : candidates) {
         context.add(
