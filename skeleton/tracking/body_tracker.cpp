@@ -12,6 +12,7 @@
 #include "skeleton/forest/body_depth.h"
 #include "skeleton/forest/body_part.h"
 #include "skeleton/forest/part_labeller.h"
+#include "skeleton/forest/tree_pruning.h"
 #include "skeleton/tracking/person_skeleton.h"
 #include "skeleton/tracking/stage_clock.h"
 
@@ -190,14 +191,18 @@ Result<BodyTracker> BodyTracker::create(Image<RayXy> rays, std::shared_ptr<const
         ours = forest->labels[i] == body_part_name(static_cast<BodyPart>(i));
     }
     if (!ours) {
-        return fail("The body tracker", "the forest's labels are not Kinoscope's body parts",
-                    "use the forest that comes with Kinoscope or one of `kinoscope train`");
+        return fail("the forest's labels are not Kinoscope's body parts", "body tracker",
+                    "use the forest that comes with Kinoscope, or train one with kinoscope-train");
     }
     Forest pruned;
     const Forest* used = forest.get();
     if (options.trees > 0 && options.trees < static_cast<int>(forest->trees.size())) {
         pruned = *forest;
         pruned.trees.resize(static_cast<std::size_t>(options.trees));
+        used = &pruned;
+    }
+    if (options.max_depth > 0) {
+        pruned = shallower(*used, options.max_depth);
         used = &pruned;
     }
     Image<RayXy> copy = rays;
@@ -275,7 +280,10 @@ void BodyTracker::reset() {
     state_->finder.reset();
     state_->skeletons.clear();
     state_->raw = {};
-    static_cast<void>(state_->filters.update({}));
+    // The name was good at creation.
+    if (auto filters = FilterBank::create(state_->options.filter)) {
+        state_->filters = std::move(*filters);
+    }
 }
 
 }  // namespace kino

@@ -27,9 +27,9 @@ struct BodyTrackerOptions {
     std::string filter = "one-euro:default";
     int tracked_in_full = 2;  ///< people with joints; others have their centroid as hip_center
     // Knobs of accuracy against time, each measured by `bench bodies`.
-    int trees = 0;      ///< of the forest; 0: all
-    int max_depth = 0;  ///< of its trees; 0: all
-    int step_px = 0;  ///< every n-th pixel of every n-th row is labelled; 0: by the picture's size
+    int trees = 0;       ///< of the forest; 0: all
+    int max_depth = 0;   ///< of its trees; 0: all
+    int step_px = 0;     ///< every n-th pixel of every n-th row is labelled; 0: by the person's
     int fit_rounds = 0;  ///< of the model fit; 0: the default
 };
 

@@ -112,7 +112,8 @@ Actor crossing_arms(double t) {
 
 TEST(HardCases, EnteringAtTheBorder) {
     const Outcome o = play("enter", 4, 60, 0);
-    EXPECT_GT(o.found, o.frames / 2);
+    EXPECT_GT(o.found, 3 * o.frames / 4);
+    EXPECT_LT(mean_of(o.visible), 100);
 }
 
 TEST(HardCases, Sideways) {
@@ -124,7 +125,9 @@ TEST(HardCases, Sideways) {
 TEST(HardCases, BackToTheCamera) {
     const Outcome o = play("back", 6, 40, 15);
     EXPECT_EQ(o.ids.size(), 1u);
-    EXPECT_LT(mean_of(o.trunk), 90);
+    EXPECT_LT(mean_of(o.trunk), 60);
+    // Left is left: a swap would cost some 300 mm.
+    EXPECT_LT(mean_of(o.all), 120);
 }
 
 TEST(HardCases, ArmsCrossed) {
@@ -135,24 +138,27 @@ TEST(HardCases, ArmsCrossed) {
 
 TEST(HardCases, Sitting) {
     const Outcome o = play("sit", 8, 40, 15);
-    EXPECT_LT(mean_of(o.trunk), 120);
+    EXPECT_LT(mean_of(o.trunk), 60);
+    EXPECT_LT(mean_of(o.all), 100);
 }
 
 TEST(HardCases, Lying) {
-    // Nobody lies in the pictures that the shipped forest was trained on: a body that is somewhere
-    // and finite is all that is asked.
+    // The trunk lies where it lies; arms are often wrong.
     const Outcome o = play("lie", 4, 30, 15);
-    EXPECT_LE(o.ids.size(), 2u);
+    EXPECT_EQ(o.ids.size(), 1u);
+    EXPECT_LT(mean_of(o.trunk), 120);
 }
 
 TEST(HardCases, Hugging) {
     const Outcome o = play("hug", 4, 40, 0);
-    EXPECT_GT(o.found, o.frames / 2);
+    EXPECT_GT(o.found, 3 * o.frames / 4);
+    EXPECT_LT(mean_of(o.visible), 120);
 }
 
 TEST(HardCases, Crossing) {
     const Outcome o = play("cross", 4, 50, 0);
-    EXPECT_GT(o.found, o.frames / 2);
+    EXPECT_GT(o.found, 3 * o.frames / 4);
+    EXPECT_LT(mean_of(o.visible), 140);
 }
 
 TEST(HardCases, HoldingALargeBox) {
@@ -164,7 +170,8 @@ TEST(HardCases, HoldingALargeBox) {
 
 TEST(HardCases, AHandOnTheWall) {
     const Outcome o = play("wall", 4, 30, 15);
-    EXPECT_LT(mean_of(o.trunk), 100);
+    EXPECT_LT(mean_of(o.trunk), 60);
+    EXPECT_LT(mean_of(o.all), 80);
 }
 
 TEST(HardCases, HalfOutOfView) {
@@ -181,7 +188,8 @@ TEST(HardCases, SixtyCentimetresAway) {
     room.camera_height_m = 1.4;
     const Outcome o = stage(
         "0.6 m", room, [](double t) { return actor_at(0, -0.75, Motion::idle, t); }, 30);
-    EXPECT_TRUE(o.finite);
+    EXPECT_EQ(o.ids.size(), 1u);
+    EXPECT_LT(mean_of(o.trunk), 120);
 }
 
 TEST(HardCases, FourAndAHalfMetresAway) {
@@ -191,7 +199,7 @@ TEST(HardCases, FourAndAHalfMetresAway) {
     const Outcome o = stage(
         "4.5 m", room, [](double t) { return actor_at(0, -4.5, Motion::wave, t); }, 40);
     EXPECT_EQ(o.ids.size(), 1u);
-    EXPECT_LT(mean_of(o.all), 110);
+    EXPECT_LT(mean_of(o.all), 70);
 }
 
 TEST(HardCases, TiltedThirtyDegrees) {
@@ -208,7 +216,7 @@ TEST(HardCases, TiltedThirtyDegrees) {
 TEST(HardCases, OneFrameASecond) {
     const Outcome o = stage(
         "1 fps", {}, [](double t) { return actor_at(0, -2.5, Motion::dance, t); }, 12, 1);
-    EXPECT_LT(mean_of(o.all), 110);
+    EXPECT_LT(mean_of(o.all), 75);
 }
 
 TEST(HardCases, SixtyFramesASecond) {
@@ -278,6 +286,52 @@ TEST(HardCases, SeatedModeHasTenJoints) {
     EXPECT_LT(mean_of(errors_mm(s.truth(actor), s.frame.bodies.data(), 2, 11)), 70);
 }
 
+TEST(Knobs, AShallowForestOfOneTreeStillTracks) {
+    BodyTrackerOptions options;
+    options.trees = 1;
+    options.max_depth = 12;
+    TrackedScene s({}, options), whole;
+    const Actor actor = actor_at(0, -2.3, Motion::wave, 1);
+    for (TrackedScene* scene : {&s, &whole}) {
+        scene->learn_room();
+        for (int i = 0; i < 12; ++i) scene->next({actor});
+        ASSERT_EQ(scene->frame.bodies.size(), 1u);
+    }
+    const float with_less = mean_of(errors_mm(s.truth(actor), s.frame.bodies.data()));
+    EXPECT_LT(with_less, 150);
+    EXPECT_NE(with_less, mean_of(errors_mm(s.truth(actor), whole.frame.bodies.data())));
+}
+
+TEST(Knobs, ResetForgetsEverything) {
+    TrackedScene a, b;
+    a.learn_room();
+    for (int i = 0; i < 10; ++i) a.next({actor_at(0.3, -2.3, Motion::dance, i / 30.0)});
+    a.tracker.reset();
+    a.time = 0;
+    a.index = 0;
+    a.learn_room();
+    b.learn_room();
+    for (int i = 0; i < 10; ++i) {
+        const std::vector<Actor> actor = {actor_at(0, -2.4, Motion::wave, i / 30.0)};
+        a.next(actor);
+        b.next(actor);
+    }
+    ASSERT_EQ(a.frame.bodies.size(), 1u);
+    ASSERT_EQ(b.frame.bodies.size(), 1u);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+        EXPECT_EQ(a.frame.bodies[0].joints[j].position_m, b.frame.bodies[0].joints[j].position_m);
+    }
+}
+
+TEST(Knobs, AForestOfOtherPartsIsRefused) {
+    TrackedScene s;
+    auto other = std::make_shared<Forest>();
+    other->labels = {"left", "right"};
+    const auto refused = BodyTracker::create(s.scene.rays(), other);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().what.find("labels"), std::string::npos);
+}
+
 TEST(HardCases, TheThirdPersonHasAPlaceOnly) {
     RoomOptions room;
     room.furniture = false;
@@ -333,7 +387,9 @@ TEST(HardCases, AStandingPersonIsStillAndAFastArmIsNotLate) {
         }
     }
     double sum = 0, worst = 0;
-    for (const auto& joint : track) {
+    const char* whose = "";
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+        const auto& joint = track[j];
         ASSERT_GT(joint.size(), 50u);
         glm::dvec3 mean(0);
         for (const glm::vec3& p : joint) mean += dvec3(p) / static_cast<double>(joint.size());
@@ -343,10 +399,13 @@ TEST(HardCases, AStandingPersonIsStillAndAFastArmIsNotLate) {
             square += glm::dot(d, d) / static_cast<double>(joint.size());
         }
         sum += square;
-        worst = std::max(worst, std::sqrt(square));
+        if (std::sqrt(square) > worst) {
+            worst = std::sqrt(square);
+            whose = joint_name(static_cast<Joint>(j));
+        }
     }
     const double jitter_mm = 1000 * std::sqrt(sum / kJointCount);
-    printf("jitter %.2f mm, worst joint %.2f mm\n", jitter_mm, 1000 * worst);
+    printf("jitter %.2f mm, worst: %s %.2f mm\n", jitter_mm, whose, 1000 * worst);
     EXPECT_LT(jitter_mm, 4);
     // A fast arm: the time by which the hand's path has to be shifted to match best.
     std::vector<glm::vec3> found, truth;
