@@ -44,6 +44,11 @@ class Surroundings {
     [[nodiscard]] int free(float right, float up) const {
         return at(right, up, 0.1f) == Reading::free ? 1 : 0;
     }
+    /// Free, or above the picture: heads often reach its edge.
+    [[nodiscard]] int open(float right, float up) const {
+        const Reading r = at(right, up, 0.1f);
+        return r == Reading::free || r == Reading::outside ? 1 : 0;
+    }
     [[nodiscard]] int on(float right, float up, float within) const {
         return at(right, up, within) == Reading::on ? 1 : 0;
     }
@@ -202,7 +207,7 @@ Outline outline(const Surroundings& s) {
 }
 
 bool promising(const Surroundings& s) {
-    const int above = s.free(0, 0.23f) + s.free(-0.09f, 0.21f) + s.free(0.09f, 0.21f);
+    const int above = s.open(0, 0.23f) + s.open(-0.09f, 0.21f) + s.open(0.09f, 0.21f);
     if (above < 2) return false;
     const int left = s.free(-0.15f, 0.02f) + s.free(-0.16f, 0.08f);
     const int right = s.free(0.15f, 0.02f) + s.free(0.16f, 0.08f);

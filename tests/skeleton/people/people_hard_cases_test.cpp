@@ -15,8 +15,10 @@ using namespace test;
 
 struct Outcome {
     int frames = 0;
+    int more = 0;   ///< somebody who is not there
     int right = 0;  ///< everybody found, each by a person of his own, and nobody else
     double overlap = 0, worst = 1;
+    double covered = 0;  ///< mean share of a person's pixels that somebody's mask holds
     std::set<std::uint32_t> ids;
     [[nodiscard]] double share() const { return static_cast<double>(right) / frames; }
 };
@@ -65,29 +67,34 @@ Outcome play(const Plan& plan) {
             both[slot][who] += 1;
         }
         std::size_t there = 0, found = 0;
-        double least = 1, sum = 0;
+        double least = 1, sum = 0, held = 0;
         for (std::size_t who = 1; who <= static_cast<std::size_t>(plan.actors); ++who) {
             if (seen[who] < 600) continue;  // a sleeve behind somebody else
             ++there;
-            double best = 0;
+            double best = 0, most = 0;
             for (const Person& p : people.people) {
                 const double common = both[p.slot][who];
+                most = std::max(most, common / seen[who]);
                 best = std::max(best, common / (seen[who] + labelled[p.slot] - common));
             }
             found += best > 0.45;
             least = std::min(least, best);
             sum += best;
+            held += most;
         }
         for (const Person& p : people.people) out.ids.insert(p.id);
         ++out.frames;
+        out.more += people.people.size() > found;
         out.right += found == there && people.people.size() == there;
         out.overlap += there == 0 ? 1 : sum / static_cast<double>(there);
+        out.covered += there == 0 ? 1 : held / static_cast<double>(there);
         out.worst = std::min(out.worst, least);
     }
     out.overlap /= std::max(out.frames, 1);
+    out.covered /= std::max(out.frames, 1);
     ::testing::Test::RecordProperty(plan.motion, std::to_string(out.overlap));
-    printf("%s: right %.2f, overlap %.3f, worst %.3f, ids %zu\n", plan.motion, out.share(),
-           out.overlap, out.worst, out.ids.size());
+    printf("%s: right %.2f, overlap %.3f, worst %.3f, covered %.3f, ids %zu\n", plan.motion,
+           out.share(), out.overlap, out.worst, out.covered, out.ids.size());
     return out;
 }
 
@@ -130,7 +137,8 @@ TEST(PeopleHardCases, HoldingALargeBoxItIsPartOfHim) {
     const Outcome o = play({.motion = "hold"});
     EXPECT_EQ(o.right, o.frames);
     EXPECT_EQ(o.ids.size(), 1u);
-    EXPECT_GT(o.overlap, 0.55);
+    EXPECT_GT(o.covered, 0.85);
+    EXPECT_GT(o.overlap, 0.5);  // the box is as large as his trunk
 }
 
 TEST(PeopleHardCases, AHandOnTheWallDoesNotJoinTheWall) {
@@ -145,6 +153,13 @@ TEST(PeopleHardCases, HuggingTheyStayTwo) {
     EXPECT_GT(o.share(), 0.85);
     EXPECT_EQ(o.ids.size(), 2u);
     EXPECT_GT(o.overlap, 0.8);
+}
+
+TEST(PeopleHardCases, WhoeverPassesAWardrobeDoesNotMakeItSomebody) {
+    // Not yet learned, as free all around and as high as a person.
+    const Outcome o =
+        play({.motion = "hug", .actors = 2, .seed = 4, .count = 40, .furniture = true});
+    EXPECT_LE(o.more, 2);
 }
 
 TEST(PeopleHardCases, CrossingTheyStayTwo) {
