@@ -82,7 +82,11 @@ FitPrior PersonSkeleton::prior_for(double dt_s) const {
     prior.hips_sigma_m = 0.04f * wider;
     prior.turn_sigma = 0.12f * wider;
     for (std::size_t s = 0; s < kSegmentCount; ++s) {
-        prior.direction_sigma[s] = (0.12f + 0.3f * seen_[s]) * wider;
+        // Feet show few points and turn slowly, but tell front from back while that is open.
+        const auto segment = static_cast<Segment>(s);
+        const bool foot = segment == Segment::foot_left || segment == Segment::foot_right;
+        const bool calm = foot && settled_s_ > 2;
+        prior.direction_sigma[s] = (calm ? 0.1f : 0.12f + 0.3f * seen_[s]) * wider;
     }
     prior.shape_mean = mean_;
     prior.shape_information = information_;
@@ -126,6 +130,7 @@ bool PersonSkeleton::restart(const FitEvidence& evidence, bool compare) {
     model_ = best;
     result_ = best_result;
     moving_ = false;
+    settled_s_ = 0;
     ++restarts_;
     return true;
 }
@@ -200,6 +205,7 @@ bool PersonSkeleton::update(const PersonView& view, TimeNs time) {
         before_dt_s_ = dt_s;
         moving_ = dt_s < kGapS;
         const bool bad = result_.on_model < 0.7f || result_.free > 0.12f || dt_s > kGapS;
+        settled_s_ += dt_s;
         learn(dt_s);
         if (bad || frames_ % 16 == 0) static_cast<void>(restart(evidence, true));
     }

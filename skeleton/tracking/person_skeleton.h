@@ -54,6 +54,7 @@ class PersonSkeleton {
     JointedModel model_;
     JointedPose before_;  // of the frame before the last
     double before_dt_s_ = 0;
+    double settled_s_ = 0;  // since the pose was last found anew
     bool known_ = false, moving_ = false;
     TimeNs time_ = 0;
     int frames_ = 0, restarts_ = 0;

@@ -379,9 +379,9 @@ TEST(HardCases, AStandingPersonIsStillAndAFastArmIsNotLate) {
     s.learn_room();
     const Actor still = actor_at(0, -2.0, Motion::idle, 0);
     std::array<std::vector<glm::vec3>, kJointCount> track;
-    for (int i = 0; i < 90; ++i) {
+    for (int i = 0; i < 160; ++i) {
         s.next({still});
-        if (i < 30 || s.frame.bodies.size() != 1) continue;
+        if (i < 100 || s.frame.bodies.size() != 1) continue;
         for (std::size_t j = 0; j < kJointCount; ++j) {
             track[j].push_back(s.frame.bodies[0].joints[j].position_m);
         }
@@ -407,6 +407,7 @@ TEST(HardCases, AStandingPersonIsStillAndAFastArmIsNotLate) {
     const double jitter_mm = 1000 * std::sqrt(sum / kJointCount);
     printf("jitter %.2f mm, worst: %s %.2f mm\n", jitter_mm, whose, 1000 * worst);
     EXPECT_LT(jitter_mm, 4);
+    EXPECT_LT(1000 * worst, 4);
     // A fast arm: the time by which the hand's path has to be shifted to match best.
     std::vector<glm::vec3> found, truth;
     for (int i = 0; i < 75; ++i) {
