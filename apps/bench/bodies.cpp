@@ -29,6 +29,7 @@ namespace {
 using SharedForest = std::shared_ptr<const Forest>;
 
 constexpr int kWidth = 640, kHeight = 480;
+constexpr int kInView = 5;  // joints of a person that is more than a few pixels beside a cupboard
 constexpr double kLeadInS = 2;  // of the empty room
 
 /// One setting of the tracker, carried through all takes.
@@ -167,7 +168,7 @@ Result<void> accuracy(BenchContext& context, const SharedForest& forest) {
     add_variants(context, variants, forest);
     variants[0] = all_variants(forest)[0];
     const int frames = context.quick() ? 60 : 100000;
-    for (std::uint64_t seed = 501; seed < (context.quick() ? 502u : 504u); ++seed)
+    for (std::uint64_t seed = 501; seed < (context.quick() ? 502u : 507u); ++seed)
         for (const std::string& motion : motions) {
             Variant one = all_variants(forest)[0];
             KINO_TRY(play(take_of(motion, seed), frames, {&one}));
@@ -190,6 +191,10 @@ Result<void> accuracy(BenchContext& context, const SharedForest& forest) {
     const BodyScore& score = variants[0].score;
     const ErrorFigures figures = score.figures();
     add_figures(context, "all", figures);
+    const ErrorFigures in_view =
+        score.figures([](const JointError& e) { return e.seen >= kInView; });
+    add_figures(context, fmt::format("all of people with at least {} joints seen", kInView),
+                in_view);
     add_figures(context, "visible", score.figures([](const JointError& e) { return e.visible; }));
     add_figures(context, "occluded", score.figures([](const JointError& e) { return !e.visible; }));
     for (int metre = 0; metre < 6; ++metre)
@@ -205,6 +210,11 @@ Result<void> accuracy(BenchContext& context, const SharedForest& forest) {
                   figures.within_100 >= 0.9);
     context.claim(fmt::format("{:.1f} % within 150 mm (at least 97)", 100 * figures.within_150),
                   figures.within_150 >= 0.97);
+    context.claim(
+        fmt::format("of people with at least {} of 20 joints seen: mean {:.0f} mm, {:.1f} % "
+                    "within 100 mm, {:.1f} % within 150 mm (the same bounds)",
+                    kInView, in_view.mean_mm, 100 * in_view.within_100, 100 * in_view.within_150),
+        in_view.mean_mm <= 55 && in_view.within_100 >= 0.9 && in_view.within_150 >= 0.97);
     for (std::size_t s = 0; s < kStages.size(); ++s) {
         BenchRow row = row_of("one person, 640x480", "stage", kStages[s]);
         row.ms_median = bench::quantile(variants[0].stage_ms[s], 0.5);
@@ -388,6 +398,11 @@ Result<void> run(BenchContext& context) {
         "recorded motion: logs of body trackers (tests/data/motion) drive bodies that no training "
         "picture shows, in furnished rooms before a computed Kinect v1, 640x480; the room is seen "
         "empty for 2 s; a lost joint and every joint of a missed person count as 300 mm");
+    context.note(
+        "a person counts from the first pixel on: body 502 stands behind a cupboard for most of "
+        "the "
+        "multitrack motions with nothing but hair in view, which is why people with at least five "
+        "joints seen are shown apart");
     context.note("depth: leaves in the place of subtrees vote as the mean of their leaves");
     context.note(
         "step: every n-th pixel of every n-th row is labelled; as shipped, so that about 1800 are");

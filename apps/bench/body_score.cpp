@@ -17,10 +17,13 @@ void BodyScore::add(const BodyFrame& truth, const BodyFrame& found) {
             least = distance;
             nearest = &candidate;
         }
+        const auto seen = std::count_if(body.joints.begin(), body.joints.end(), [](const auto& j) {
+            return j.state == JointState::tracked;
+        });
         for (std::size_t j = 0; j < kJointCount; ++j) {
             const JointPosition& at = body.joints[j];
             JointError error{kLostMm, at.position_m.z, static_cast<std::uint8_t>(j),
-                             at.state == JointState::tracked};
+                             at.state == JointState::tracked, static_cast<std::uint8_t>(seen)};
             if (nearest != nullptr && nearest->joints[j].state != JointState::lost)
                 error.mm = 1000 * glm::distance(nearest->joints[j].position_m, at.position_m);
             errors_.push_back(error);

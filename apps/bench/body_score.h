@@ -13,7 +13,8 @@ struct JointError {
     float mm = 0;       ///< 300 if the joint is lost or the person was missed
     float range_m = 0;  ///< of the true joint, along the axis
     std::uint8_t joint = 0;
-    bool visible = false;  ///< its flesh is seen
+    bool visible = false;   ///< its flesh is seen
+    std::uint8_t seen = 0;  ///< joints of the same body that are visible
 };
 
 struct ErrorFigures {
