@@ -18,7 +18,6 @@
 #include "skeleton/actors/actor_sequence.h"
 #include "skeleton/people/head_finder.h"
 #include "skeleton/people/people_finder.h"
-#include "tests/skeleton/people/clip_metres.h"
 #include "tests/skeleton/people/eval/label_picture.h"
 #include "tests/skeleton/people/people_scene.h"
 
@@ -29,8 +28,8 @@ struct Arguments {
     std::string what, uri, sheet, motion;
     int takes = 8, actors = 1, seed = 1, most = 90;
     double lead_in_s = 0;
-    int every = 12, columns = 6, width = 240, from = 0;
-    bool moving = false, heads = false, metres = false, verbose = false;
+    int every = 12, columns = 6, width = 200, from = 0;
+    bool moving = false, heads = false, verbose = false;
 };
 
 void mark_heads(const PeopleFinder& finder, const PeopleFrame& people, Image<Rgba8>& picture) {
@@ -219,7 +218,6 @@ int sheet(const Arguments& a) {
             auto set = (*source)->next(0);
             if (!set || !*set) break;
             if (!(*set)->depth || !rig->register_depth(*(*set)->depth, depth)) continue;
-            if (!still) test::clip_metres(depth.depth_m);
             if (still) finder->reset();
             finder->find(depth.depth_m, (*set)->time, std::nullopt, people);
             if (still)
@@ -237,7 +235,7 @@ int sheet(const Arguments& a) {
         int actors, seed, frame;
     };
     for (const Scene& scene :
-         {Scene{"enter", 1, 4, 50}, Scene{"lie", 1, 4, 70}, Scene{"hold", 1, 4, 70},
+         {Scene{"enter", 1, 4, 80}, Scene{"lie", 1, 4, 70}, Scene{"hold", 1, 4, 70},
           Scene{"hug", 2, 5, 104}, Scene{"cross", 2, 5, 100}, Scene{"sit", 1, 5, 100}}) {
         ActorTake take;
         take.motion = scene.motion;
@@ -279,7 +277,6 @@ int run(const Arguments& a) {
         if (!set || !*set) break;
         if (!(*set)->depth) continue;
         if (!rig->register_depth(*(*set)->depth, depth)) return 1;
-        if (a.metres) test::clip_metres(depth.depth_m);
         if (a.what == "stills") finder->reset();
         finder->find(depth.depth_m, (*set)->time, std::nullopt, people);
         if (a.what == "stills")
@@ -334,7 +331,6 @@ int main(int argc, char** argv) {
         if (word == "--from") a.from = std::atoi(next().c_str());
         if (word == "--columns") a.columns = std::max(1, std::atoi(next().c_str()));
         if (word == "--width") a.width = std::max(16, std::atoi(next().c_str()));
-        if (word == "--metres") a.metres = true;
         if (word == "--takes") a.takes = std::atoi(next().c_str());
         if (word == "--actors") a.actors = std::atoi(next().c_str());
         if (word == "--seed") a.seed = std::atoi(next().c_str());
