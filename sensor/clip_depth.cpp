@@ -74,7 +74,20 @@ void row_spans(const std::int16_t* in, int width, std::int16_t* low, std::int16_
     }
 }
 
+double clip_metres(const ClipDescription& clip, double v) {
+    if (clip.scale == ClipScale::linear) return clip.dark_m + v * (clip.bright_m - clip.dark_m);
+    const double raw = 2048 * std::cbrt(768 * (1 - v) / 9216);
+    return 0.1236 * std::tan(raw / 2842.5 + 1.1863);
+}
+
 }  // namespace
+
+ClipDepth::ClipDepth(ClipDescription description) : description_(std::move(description)) {
+    for (int code = 0; code <= kFull; ++code) {
+        const double metres = clip_metres(description_, static_cast<double>(code) / kFull);
+        units_.push_back(static_cast<std::uint16_t>(metres * kClipUnitsPerMetre + 0.5));
+    }
+}
 
 void ClipDepth::read_codes(const YuvPicture& picture) {
     const int width = picture.y.width();
@@ -191,14 +204,12 @@ void ClipDepth::decode(const YuvPicture& picture, Image<std::uint16_t>& out) {
     read_codes(picture);
     drop_smear();
     smooth();
-    const double dark = description_.dark_m * kClipUnitsPerMetre;
-    const double per_code = (description_.bright_m * kClipUnitsPerMetre - dark) / kFull;
     out.resize(code_.width(), code_.height());
     for (int y = 0; y < code_.height(); ++y) {
         for (int x = 0; x < code_.width(); ++x) {
             const std::int16_t code = code_.at(x, y);
-            const double units = dark + per_code * code;
-            out.at(x, y) = code == kNothing ? 0 : static_cast<std::uint16_t>(units + 0.5);
+            out.at(x, y) =
+                code == kNothing ? std::uint16_t{0} : units_[static_cast<std::size_t>(code)];
         }
     }
 }

@@ -9,8 +9,8 @@
 
 namespace kino {
 
-/// Depth units of a decoded clip: 1/8 mm, far below the code's own steps (about 4 mm for 765
-/// levels over 3.15 m), so that decoding adds no staircase. 16 bits end at 8.19 m.
+/// Depth units of a decoded clip: 1/8 mm, far below the code's own steps (some millimetres), so
+/// that decoding adds no staircase. 16 bits end at 8.19 m.
 constexpr double kClipUnitsPerMetre = 8000;
 
 /// Turns the pictures of a clip into raw depth, pixel by pixel of the video. Steps:
@@ -24,10 +24,10 @@ constexpr double kClipUnitsPerMetre = 8000;
 /// 4. Each v becomes the mean of those in its 5x5 neighbourhood that differ by at most
 ///    smooth_span (Lee 1983, the sigma filter): the code's steps and the codec's blocks go, edges
 ///    stay, no pixel appears or vanishes.
-/// 5. z = dark_m + v (bright_m - dark_m).
+/// 5. z by the description's scale (ClipScale).
 class ClipDepth {
   public:
-    explicit ClipDepth(ClipDescription description) : description_(std::move(description)) {}
+    explicit ClipDepth(ClipDescription description);
 
     /// `out` gets the picture's size. Reuses its own scratch memory.
     void decode(const YuvPicture& picture, Image<std::uint16_t>& out);
@@ -39,6 +39,7 @@ class ClipDepth {
     void smooth();
 
     ClipDescription description_;
+    std::vector<std::uint16_t> units_;  ///< depth of each v in 1/16 of 1/765
     Image<std::int16_t> code_;  ///< v in 1/16 of 1/765, so 0..12240
     Image<std::int16_t> low_, high_, row_low_, row_high_;
     Image<std::int16_t> surface_;  ///< code_ of the valid pixels, with a margin all round

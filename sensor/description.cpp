@@ -71,8 +71,8 @@ Result<void> read_times(const JsonCursor& root, Description& out) {
 }
 
 Result<ClipDescription> read_clip(const JsonCursor& object) {
-    KINO_TRY(object.only(
-        {"file", "code", "bright_m", "dark_m", "invalid_below", "edge_span", "smooth_span"}));
+    KINO_TRY(object.only({"file", "code", "scale", "bright_m", "dark_m", "invalid_below",
+                          "edge_span", "smooth_span"}));
     ClipDescription clip;
     KINO_ASSIGN(clip.file, name_of(object, "file"));
     KINO_ASSIGN(const JsonCursor code, object.member("code"));
@@ -82,8 +82,26 @@ Result<ClipDescription> read_clip(const JsonCursor& object) {
     } else if (name != "luma") {
         return code.error(fmt::format("unknown code \"{}\"", name), "known: luma, rgb_sum");
     }
-    KINO_ASSIGN(clip.bright_m, number_between(object, "bright_m", 0.01, 8));
-    KINO_ASSIGN(clip.dark_m, number_between(object, "dark_m", 0.01, 8));
+    if (const auto scale = object.find("scale")) {
+        KINO_ASSIGN(const std::string scale_name, scale->text());
+        if (scale_name == "freenect_viewer") {
+            clip.scale = ClipScale::freenect_viewer;
+        } else if (scale_name != "linear") {
+            return scale->error(fmt::format("unknown scale \"{}\"", scale_name),
+                                "known: linear, freenect_viewer");
+        }
+    }
+    if (clip.scale == ClipScale::linear) {
+        KINO_ASSIGN(clip.bright_m, number_between(object, "bright_m", 0.01, 8));
+        KINO_ASSIGN(clip.dark_m, number_between(object, "dark_m", 0.01, 8));
+    } else {
+        for (const char* key : {"bright_m", "dark_m"}) {
+            if (const auto needless = object.find(key)) {
+                return needless->error("the scale freenect_viewer has distances of its own",
+                                       "leave it out, or say \"scale\": \"linear\"");
+            }
+        }
+    }
     KINO_ASSIGN(clip.invalid_below, number_between(object, "invalid_below", 0, 1));
     if (object.find("edge_span")) {
         KINO_ASSIGN(clip.edge_span, number_between(object, "edge_span", 0, 1));

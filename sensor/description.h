@@ -18,12 +18,22 @@ enum class ClipCode : std::uint8_t {
     rgb_sum  ///< v = (r + g + b) / 765 along the ramp black, blue, cyan, white
 };
 
-/// A video whose brightness v in 0..1 codes depth linearly between two distances.
+/// What a clip's v means.
+enum class ClipScale : std::uint8_t {
+    linear,  ///< depth runs evenly from dark_m at v = 0 to bright_m at v = 1
+    /// The viewer of libfreenect shows a raw disparity as the step 9216 (raw / 2048)^3 of a ramp of
+    /// colours; white, cyan, blue, black are its first 768 steps, so v = 1 - step / 768. Depth is
+    /// 0.1236 m tan(raw / 2842.5 + 1.1863): 0.31 m at v = 1, 1.71 m at v = 0.
+    freenect_viewer
+};
+
+/// A video whose brightness v in 0..1 codes depth.
 struct ClipDescription {
     std::string file;  ///< VP8 in WebM, relative to the folder
     ClipCode code = ClipCode::luma;
-    double bright_m = 0.5;        ///< depth at v = 1
-    double dark_m = 4.0;          ///< depth at v = 0
+    ClipScale scale = ClipScale::linear;
+    double bright_m = 0.5;        ///< linear: depth at v = 1
+    double dark_m = 4.0;          ///< linear: depth at v = 0
     double invalid_below = 0.04;  ///< darker is no reading
     /// Pixels between two surfaces of a 5x5 neighbourhood whose v differ by more than this are a
     /// codec's smear and dropped (sensor/clip_depth.h); 0 keeps everything.
@@ -42,7 +52,8 @@ struct ClipDescription {
 /// Depth frames are the PNGs of depth.dir sorted by name; a colour frame belongs to the depth
 /// frame of the same file name. Or a clip: in place of depth, color, fps and times_ns (a video has
 /// its own times)
-///    "clip": {"file": "a.webm", "code": "rgb_sum" | "luma", "bright_m": .., "dark_m": ..,
+///    "clip": {"file": "a.webm", "code": "rgb_sum" | "luma",
+///             "bright_m": .., "dark_m": ..   or "scale": "freenect_viewer",
 ///             "invalid_below": .., "edge_span": .., "smooth_span": ..}
 struct Description {
     std::string name;

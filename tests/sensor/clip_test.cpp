@@ -74,6 +74,24 @@ TEST(ClipDepth, EvenColoursOfTheRampComeBackAsTheirDepth) {
     }
 }
 
+TEST(ClipDepth, TheViewersColoursAreUndoneToItsDisparity) {
+    ClipDescription clip = kinect_clip();
+    clip.scale = ClipScale::freenect_viewer;
+    ClipDepth decoder(clip);
+    Image<std::uint16_t> depth;
+    for (double raw = 500; raw <= 860; raw += 12) {
+        // Forwards, as the viewer has it: its step along the ramp, 256 for each colour change.
+        const double step = std::pow(raw / 2048, 3) * 36 * 256;
+        const double v = 1 - step / 768;
+        decoder.decode(picture_of(16, 12, [&](int, int) { return v; }), depth);
+        const auto metres_of = [](double r) { return 0.1236 * std::tan(r / 2842.5 + 1.1863); };
+        // Two and a half levels of 765 along the ramp, in steps of disparity there.
+        const double per_raw = 3 * std::pow(raw / 2048, 2) * 36 * 256 / 2048;
+        const double slack = metres_of(raw + 2.5 * 768 / 765 / per_raw) - metres_of(raw);
+        EXPECT_NEAR(metres(depth.at(8, 6)), metres_of(raw), slack + 2e-4) << raw;
+    }
+}
+
 TEST(ClipDepth, LumaCodeCountsLimitedRange) {
     ClipDescription clip = kinect_clip();
     clip.code = ClipCode::luma;

@@ -61,7 +61,7 @@ TEST_P(Recordings, OpensAndEveryFrameIsWhatItsCalibrationSays) {
 
 INSTANTIATE_TEST_SUITE_P(
     Bundled, Recordings,
-    ::testing::Values(Expected{"person", 285, 512, 512, false, 1.5, 3.0, LoopMode::loop},
+    ::testing::Values(Expected{"person", 285, 512, 512, false, 0.8, 1.2, LoopMode::loop},
                       Expected{"desk", 6, 640, 480, true, 1.0, 1.3, LoopMode::ping_pong},
                       Expected{"office", 1, 640, 480, true, 4.0, 4.7, LoopMode::loop},
                       Expected{"laptop", 2, 640, 480, true, 0.8, 1.0, LoopMode::ping_pong},
