@@ -19,8 +19,8 @@ using namespace test;
 
 TEST(PeopleFinder, EmptyRoomForAMinuteHasNoPhantom) {
     Play play;
-    play.step = kNsPerSecond / 15;
-    for (int i = 0; i < 900; ++i) {
+    play.step = kNsPerSecond / 8;
+    for (int i = 0; i < 480; ++i) {
         play.next({});
         ASSERT_TRUE(play.frame.people.empty()) << "frame " << i;
         ASSERT_TRUE(play.frame.lost.empty()) << "frame " << i;
@@ -46,9 +46,9 @@ TEST(PeopleFinder, MaskIsTheTrueMask) {
         Play play;
         play.learn();
         double sum = 0;
-        const int frames = 30;
+        const int frames = 15;
         for (int i = 0; i < frames + 10; ++i) {
-            const double t = 2.0 + 0.1 * i;
+            const double t = 2.0 + 0.2 * i;
             play.next({actor_at(0, -2.5, motion, t)});
             if (i < 10) continue;
             ASSERT_EQ(play.frame.people.size(), 1u) << motion_name(motion) << " " << i;
@@ -135,9 +135,9 @@ TEST(PeopleFinder, StandingStillForAMinuteDoesNotMeltAway) {
         play.next({actor_at(-1.2 + 0.08 * i, -2.5, Motion::walk, 0.1 * i)});
     ASSERT_EQ(play.frame.people.size(), 1u);
     const std::uint32_t id = play.frame.people[0].id;
-    play.step = kNsPerSecond / 5;
+    play.step = kNsPerSecond / 2;
     // Not the least movement: the same pose in every picture, only noise differs.
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 120; ++i) {
         play.next({actor_at(0, -2.5)});
         ASSERT_EQ(play.frame.people.size(), 1u) << i;
         ASSERT_EQ(play.frame.people[0].id, id) << i;

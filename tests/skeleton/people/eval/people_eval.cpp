@@ -235,7 +235,7 @@ int sheet(const Arguments& a) {
         int actors, seed, frame;
     };
     for (const Scene& scene :
-         {Scene{"enter", 1, 4, 80}, Scene{"lie", 1, 4, 70}, Scene{"hold", 1, 4, 70},
+         {Scene{"sideways", 1, 4, 70}, Scene{"lie", 1, 4, 70}, Scene{"hold", 1, 4, 70},
           Scene{"hug", 2, 5, 104}, Scene{"cross", 2, 5, 100}, Scene{"sit", 1, 5, 100}}) {
         ActorTake take;
         take.motion = scene.motion;
