@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMaxPacketBytes = std::size_t{32} << 20;
 constexpr std::size_t kKeptPictureBytes = std::size_t{40} << 20;
-constexpr int kMaxSize = 4096;
+constexpr int kMaxClipEdge = 4096;
 constexpr int kIoBuffer = 1 << 15;
 
 struct FormatClose {
@@ -154,7 +154,7 @@ Result<void> ClipVideo::State::read_packets(std::vector<std::uint8_t> bytes) {
     if (!stream) return fail("the video holds no VP8 track", where);
     width = stream->codecpar->width;
     height = stream->codecpar->height;
-    if (width <= 0 || height <= 0 || width > kMaxSize || height > kMaxSize) {
+    if (width <= 0 || height <= 0 || width > kMaxClipEdge || height > kMaxClipEdge) {
         return fail(fmt::format("a video of {}x{} is not readable", width, height), where);
     }
     parameters.reset(avcodec_parameters_alloc());

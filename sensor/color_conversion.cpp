@@ -11,7 +11,7 @@
 namespace kino {
 namespace {
 
-constexpr int kMaxSize = 16384;
+constexpr int kMaxColorEdge = 16384;
 constexpr int kShift = 16;
 
 /// ITU-R BT.601 and BT.709 in 1/65536, from Kr and Kb: r = y + 2 (1 - Kr) cr,
@@ -60,8 +60,8 @@ int bytes_per_pixel(PixelFormat format) {
 }
 
 Result<void> check_layout(const ColorFrame& frame) {
-    if (frame.width <= 0 || frame.height <= 0 || frame.width > kMaxSize ||
-        frame.height > kMaxSize) {
+    if (frame.width <= 0 || frame.height <= 0 || frame.width > kMaxColorEdge ||
+        frame.height > kMaxColorEdge) {
         return fail(
             fmt::format("a colour frame of {}x{} is not usable", frame.width, frame.height));
     }

@@ -10,7 +10,7 @@
 namespace kino {
 namespace {
 
-constexpr int kMaxSize = 16384;
+constexpr int kMaxJpegEdge = 16384;
 
 struct HandleClose {
     void operator()(void* handle) const { tjDestroy(handle); }
@@ -37,7 +37,8 @@ Result<void> decode_jpeg(std::span<const std::uint8_t> bytes, int width, int hei
                                              &real_height, &subsampling, &color_space) != 0) {
         return fail("not a JPEG picture");
     }
-    if (real_width != width || real_height != height || width > kMaxSize || height > kMaxSize) {
+    if (real_width != width || real_height != height || width > kMaxJpegEdge ||
+        height > kMaxJpegEdge) {
         return fail(fmt::format("the JPEG is {}x{}, the frame {}x{}", real_width, real_height,
                                 width, height));
     }

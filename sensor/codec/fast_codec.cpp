@@ -13,7 +13,7 @@ namespace {
 using namespace fast;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr const char* kName = "fast";
+constexpr const char* kFastName = "fast";
 constexpr std::uint8_t kStored = 0;
 constexpr std::uint8_t kCoded = 1;
 constexpr std::size_t kFrameHead = 5;                // kind, checksum
@@ -213,22 +213,22 @@ class FastDecoder final : public ImageDecoder {
     Result<void> decode(std::span<const std::uint8_t> data,
                         std::span<std::uint8_t> pixels) override {
         KINO_CHECK_EQ(pixels.size(), bytes_per_frame(format_));
-        if (data.size() < kFrameHead || data[0] > kCoded) return fail("not a frame", kName);
+        if (data.size() < kFrameHead || data[0] > kCoded) return fail("not a frame", kFastName);
         std::span<const std::uint8_t> rest = data.subspan(kFrameHead);
         // Longer ones are stored.
-        if (rest.size() > pixels.size()) return fail("a frame is too long", kName);
+        if (rest.size() > pixels.size()) return fail("a frame is too long", kFastName);
         if (kernels_.crc32c(rest.data(), rest.size()) != get_u32(&data[1])) {
-            return fail("a frame is damaged: its checksum differs", kName);
+            return fail("a frame is damaged: its checksum differs", kFastName);
         }
         if (data[0] == kStored) {
-            if (rest.size() != pixels.size()) return fail("a frame has another size", kName);
+            if (rest.size() != pixels.size()) return fail("a frame has another size", kFastName);
             std::memcpy(pixels.data(), rest.data(), rest.size());
             return {};
         }
         for (int i = 0; i < plane_count(format_.layout); ++i) {
-            if (const char* wrong = decode_plane(rest, i, pixels)) return fail(wrong, kName);
+            if (const char* wrong = decode_plane(rest, i, pixels)) return fail(wrong, kFastName);
         }
-        if (!rest.empty()) return fail("a frame has bytes left over", kName);
+        if (!rest.empty()) return fail("a frame has bytes left over", kFastName);
         return {};
     }
 

@@ -16,7 +16,7 @@ extern "C" {
 namespace kino {
 namespace {
 
-constexpr const char* kName = "ffv1";
+constexpr const char* kFfv1Name = "ffv1";
 
 struct ContextFree {
     void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
@@ -47,7 +47,7 @@ Result<void> check_slices(const ImageFormat& format) {
     const int least = slice_count(format) == 4 ? 4 : 2;
     if (format.width >= least && format.height >= least) return {};
     return fail(fmt::format("a picture of {}x{} cannot be coded", format.width, format.height),
-                kName, fmt::format("it must be at least {} pixels wide and high", least));
+                kFfv1Name, fmt::format("it must be at least {} pixels wide and high", least));
 }
 
 Result<Context> make_context(const AVCodec* codec, const ImageFormat& format, int threads) {
@@ -98,7 +98,7 @@ class Ffv1Encoder final : public ImageEncoder {
 
   private:
     static Result<void> checked(int code) {
-        if (code < 0) return fail("libavcodec cannot encode: " + reason(code), kName);
+        if (code < 0) return fail("libavcodec cannot encode: " + reason(code), kFfv1Name);
         return {};
     }
 
@@ -142,7 +142,7 @@ class Ffv1Decoder final : public ImageDecoder {
                         std::span<std::uint8_t> pixels) override {
         KINO_CHECK_EQ(pixels.size(), bytes_per_frame(format_));
         if (!slices_are_whole(data, slice_count(format_))) {
-            return fail("a frame is damaged: its slices do not match their checksums", kName);
+            return fail("a frame is damaged: its slices do not match their checksums", kFfv1Name);
         }
         // libavcodec reads beyond the end, up to this much.
         data_.assign(data.begin(), data.end());
@@ -155,13 +155,13 @@ class Ffv1Decoder final : public ImageDecoder {
         if (code < 0) {
             // An error may leave it in the middle of a packet.
             avcodec_flush_buffers(context_.get());
-            return fail("a frame is damaged: " + reason(code), kName);
+            return fail("a frame is damaged: " + reason(code), kFfv1Name);
         }
         const bool fits = frame_->width == format_.width && frame_->height == format_.height &&
                           frame_->format == ffv1_pixel_format(format_.layout);
         if (fits) unpack_from_frame(format_, *frame_, pixels.data());
         av_frame_unref(frame_.get());
-        if (!fits) return fail("a frame has another layout than its stream", kName);
+        if (!fits) return fail("a frame has another layout than its stream", kFfv1Name);
         return {};
     }
 
@@ -179,7 +179,7 @@ Result<std::unique_ptr<ImageEncoder>> make_ffv1_encoder(const ImageFormat& forma
                                                         const CodecOptions& options) {
     KINO_TRY(check_slices(format));
     const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_FFV1);
-    if (codec == nullptr) return fail("this libavcodec cannot encode FFV1", kName);
+    if (codec == nullptr) return fail("this libavcodec cannot encode FFV1", kFfv1Name);
     KINO_ASSIGN(auto context, make_context(codec, format, options.threads));
     context->level = 3;
     context->gop_size = 1;
@@ -189,7 +189,7 @@ Result<std::unique_ptr<ImageEncoder>> make_ffv1_encoder(const ImageFormat& forma
     if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0) {
         return fail(fmt::format("libavcodec cannot encode FFV1 of {}x{}: {}", format.width,
                                 format.height, reason(code)),
-                    kName, "another codec can");
+                    kFfv1Name, "another codec can");
     }
     return std::make_unique<Ffv1Encoder>(format, std::move(context));
 }
@@ -200,9 +200,9 @@ Result<std::unique_ptr<ImageDecoder>> make_ffv1_decoder(const ImageFormat& forma
     constexpr std::size_t kMaxPrivateBytes = 1 << 20;
     KINO_TRY(check_slices(format));
     const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_FFV1);
-    if (codec == nullptr) return fail("this libavcodec cannot decode FFV1", kName);
+    if (codec == nullptr) return fail("this libavcodec cannot decode FFV1", kFfv1Name);
     if (private_data.empty() || private_data.size() > kMaxPrivateBytes) {
-        return fail("the stream's FFV1 header is missing or much too long", kName);
+        return fail("the stream's FFV1 header is missing or much too long", kFfv1Name);
     }
     KINO_ASSIGN(auto context, make_context(codec, format, options.threads));
     context->extradata =
@@ -211,7 +211,7 @@ Result<std::unique_ptr<ImageDecoder>> make_ffv1_decoder(const ImageFormat& forma
     std::memcpy(context->extradata, private_data.data(), private_data.size());
     context->extradata_size = static_cast<int>(private_data.size());
     if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0) {
-        return fail("the stream's FFV1 header is damaged: " + reason(code), kName);
+        return fail("the stream's FFV1 header is damaged: " + reason(code), kFfv1Name);
     }
     return std::make_unique<Ffv1Decoder>(format, std::move(context));
 }

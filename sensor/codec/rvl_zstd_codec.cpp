@@ -8,7 +8,7 @@ namespace kino {
 namespace {
 
 constexpr int kLevel = 1;
-constexpr const char* kName = "rvl+zstd";
+constexpr const char* kRvlName = "rvl+zstd";
 
 struct CompressFree {
     void operator()(ZSTD_CCtx* c) const { ZSTD_freeCCtx(c); }
@@ -36,7 +36,7 @@ class RvlZstdEncoder final : public ImageEncoder {
         const std::size_t bytes = rvl_encode(pixels, rvl_);
         const std::size_t size =
             ZSTD_compress2(context_.get(), out_.data(), out_.size(), rvl_.data(), bytes);
-        if (ZSTD_isError(size)) return fail(ZSTD_getErrorName(size), kName);
+        if (ZSTD_isError(size)) return fail(ZSTD_getErrorName(size), kRvlName);
         return std::span<const std::uint8_t>(out_).first(size);
     }
 
@@ -61,13 +61,13 @@ class RvlZstdDecoder final : public ImageDecoder {
         KINO_CHECK_EQ(pixels.size(), frame_bytes_);
         // One frame and nothing behind it: zstd would join several.
         if (ZSTD_findFrameCompressedSize(data.data(), data.size()) != data.size()) {
-            return fail("not one zstd frame", kName);
+            return fail("not one zstd frame", kRvlName);
         }
         const std::size_t size =
             ZSTD_decompressDCtx(context_.get(), rvl_.data(), rvl_.size(), data.data(), data.size());
-        if (ZSTD_isError(size)) return fail(ZSTD_getErrorName(size), kName);
+        if (ZSTD_isError(size)) return fail(ZSTD_getErrorName(size), kRvlName);
         if (!rvl_decode(std::span<const std::uint8_t>(rvl_).first(size), pixels)) {
-            return fail("the runs and differences are not a picture of this size", kName);
+            return fail("the runs and differences are not a picture of this size", kRvlName);
         }
         return {};
     }

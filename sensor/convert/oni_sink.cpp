@@ -10,7 +10,7 @@
 namespace kino {
 namespace {
 
-constexpr double kMillimetre = 0.001;
+constexpr double kOniMetresPerUnit = 0.001;
 
 class OniSink final : public FrameSink {
   public:
@@ -31,7 +31,8 @@ class OniSink final : public FrameSink {
         }
         DepthFrame depth;
         depth.header = set.depth->header;
-        KINO_ASSIGN(depth.raw, depth_in_units(*set.depth, kMillimetre, *input_.geometry, losses_));
+        KINO_ASSIGN(depth.raw,
+                    depth_in_units(*set.depth, kOniMetresPerUnit, *input_.geometry, losses_));
         ColorFrame color;
         const ColorFrame* beside = nullptr;
         const bool usable = set.color && set.color_paired && input_.rig.color;

@@ -9,7 +9,7 @@ namespace {
 
 using usb::Failure;
 using usb::Outcome;
-using Bytes = std::span<const std::uint8_t>;
+using ByteView = std::span<const std::uint8_t>;
 
 // Every block but the fixed parameters starts with a word of status.
 constexpr std::size_t kStatusBytes = 2;
@@ -19,16 +19,16 @@ constexpr std::uint16_t kRegistrationId = 0x40;
 constexpr std::uint16_t kPaddingId = 0x41;
 constexpr std::uint16_t kConstShiftId = 0x00;
 
-std::uint16_t u16_at(Bytes data, std::size_t offset) {
+std::uint16_t u16_at(ByteView data, std::size_t offset) {
     return static_cast<std::uint16_t>(data[offset] | data[offset + 1] << 8);
 }
 
-std::uint32_t u32_at(Bytes data, std::size_t offset) {
+std::uint32_t u32_at(ByteView data, std::size_t offset) {
     return static_cast<std::uint32_t>(u16_at(data, offset)) |
            static_cast<std::uint32_t>(u16_at(data, offset + 2)) << 16;
 }
 
-double float_at(Bytes data, std::size_t offset) {
+double float_at(ByteView data, std::size_t offset) {
     return std::bit_cast<float>(u32_at(data, offset));
 }
 
@@ -38,7 +38,7 @@ bool between(double value, double low, double high) {
 
 }  // namespace
 
-std::optional<ZeroPlane> parse_zero_plane(Bytes data) {
+std::optional<ZeroPlane> parse_zero_plane(ByteView data) {
     if (data.size() < kZeroPlaneOffset + 16) return std::nullopt;
     const ZeroPlane plane{float_at(data, kZeroPlaneOffset), float_at(data, kZeroPlaneOffset + 4),
                           float_at(data, kZeroPlaneOffset + 8),
@@ -53,7 +53,7 @@ std::optional<ZeroPlane> parse_zero_plane(Bytes data) {
     return plane;
 }
 
-std::optional<RegistrationBlock> parse_registration(Bytes data) {
+std::optional<RegistrationBlock> parse_registration(ByteView data) {
     if (data.size() != kStatusBytes + 4 * kRegistrationWords) return std::nullopt;
     std::array<std::int32_t, kRegistrationWords> words{};
     bool any = false;
@@ -66,14 +66,14 @@ std::optional<RegistrationBlock> parse_registration(Bytes data) {
     return std::bit_cast<RegistrationBlock>(words);
 }
 
-std::optional<RegistrationPadding> parse_padding(Bytes data) {
+std::optional<RegistrationPadding> parse_padding(ByteView data) {
     if (data.size() != kStatusBytes + 6) return std::nullopt;
     const RegistrationPadding padding{u16_at(data, 2), u16_at(data, 4), u16_at(data, 6)};
     if (padding.start_lines > 480) return std::nullopt;
     return padding;
 }
 
-std::optional<std::uint16_t> parse_const_shift(Bytes data) {
+std::optional<std::uint16_t> parse_const_shift(ByteView data) {
     if (data.size() != kStatusBytes + 2) return std::nullopt;
     const std::uint16_t shift = u16_at(data, kStatusBytes);
     // 200 in every known unit.
@@ -96,7 +96,7 @@ Outcome<FactoryData> read_factory_data(CameraCommands& commands) {
             note(part, reply.error().what);
             return reply.error().kind != Failure::no_device;
         }
-        if (auto value = parse(Bytes(*reply))) {
+        if (auto value = parse(ByteView(*reply))) {
             into = *value;
         } else {
             note(part, "what the device says cannot be used");

@@ -15,7 +15,7 @@ namespace kino {
 namespace {
 
 constexpr const char* kDefaultLibrary = "libOpenNI2.so.0";
-constexpr std::chrono::seconds kStartLimit{30};
+constexpr std::chrono::seconds kLoadLimit{30};
 constexpr std::chrono::seconds kListLimit{5};
 constexpr const char* kInstallHint = "install the package libopenni2-0";
 
@@ -35,7 +35,7 @@ Result<OpenniLibrary*> OpenniLibrary::get() {
         Result<void> result;
     };
     auto attempt = std::make_shared<Attempt>();
-    if (!run_bounded([attempt] { attempt->result = attempt->library->load(); }, kStartLimit)) {
+    if (!run_bounded([attempt] { attempt->result = attempt->library->load(); }, kLoadLimit)) {
         return fail("OpenNI2 does not come back from starting", kDefaultLibrary);
     }
     KINO_TRY(attempt->result);

@@ -12,7 +12,7 @@ namespace kino::motion_export {
 namespace {
 
 constexpr std::size_t kBlock = 512;
-constexpr char kMagic = 0x50;
+constexpr char kC3dMagic = 0x50;
 constexpr char kPcProcessor = 84;  // 83 + 1: little endian, IEEE floats
 constexpr float kScale = -1;       // negative: the data are floats
 constexpr int kPoint = 1, kAnalog = 2, kTrial = 3;
@@ -107,7 +107,7 @@ class Parameters {
         text({});
     }
 
-    std::string bytes_{'\1', kMagic, '\0', kPcProcessor};
+    std::string bytes_{'\1', kC3dMagic, '\0', kPcProcessor};
     std::size_t last_ = 0;
 };
 
@@ -140,7 +140,7 @@ std::string c3d_bytes(const JointTrack& track, double rate_hz) {
     const std::size_t parameter_blocks = parameters(frames, rate_hz, 0).size() / kBlock;
     const std::size_t data_block = 2 + parameter_blocks;  // blocks count from 1
 
-    std::string out{'\2', kMagic};
+    std::string out{'\2', kC3dMagic};
     put_u16(out, kJointCount);
     put_u16(out, 0);  // analog values a frame
     put_u16(out, 1);

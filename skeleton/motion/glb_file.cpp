@@ -15,7 +15,7 @@ using nlohmann::json;
 // Constants of the glTF 2.0 specification.
 constexpr int kByte = 5121, kShort = 5123, kFloat = 5126;
 constexpr int kVertices = 34962, kIndices = 34963;
-constexpr std::uint32_t kMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBin = 0x004E4942;
+constexpr std::uint32_t kGlbMagic = 0x46546C67, kVersion = 2, kJson = 0x4E4F534A, kBin = 0x004E4942;
 
 void put_u32(std::string& out, std::uint32_t value) {
     for (int shift = 0; shift < 32; shift += 8) out += static_cast<char>(value >> shift & 0xff);
@@ -60,7 +60,7 @@ class Document {
         std::string text = root_.dump();
         text.resize((text.size() + 3) / 4 * 4, ' ');
         std::string out;
-        put_u32(out, kMagic);
+        put_u32(out, kGlbMagic);
         put_u32(out, kVersion);
         put_u32(out, 12 + 8 + size_of(text) + 8 + size_of(bin_));
         put_u32(out, size_of(text));

@@ -18,10 +18,6 @@ constexpr double kUpperArm = 0.285, kForearm = 0.250, kHand = 0.085;
 constexpr double kThigh = 0.425, kShin = 0.410;
 constexpr double kToes = 0.13, kToesDown = 0.050;
 
-double sign_of(int side) {
-    return side == 0 ? 1.0 : -1.0;
-}
-
 dvec3 nlerp(const dvec3& a, const dvec3& b, double w) {
     const dvec3 v = glm::mix(a, b, w);
     return glm::dot(v, v) > 1e-12 ? glm::normalize(v) : b;

@@ -9,6 +9,11 @@
 
 namespace kino {
 
+/// Of x on a side: 1 on the person's left (side 0), -1 on the right.
+[[nodiscard]] constexpr double sign_of(int side) {
+    return side == 0 ? 1.0 : -1.0;
+}
+
 /// Person's frame: origin on the floor below the pelvis, x to the person's left, y up, z where the
 /// person faces. Side 0 is the person's left, side 1 the right.
 struct ArmPose {

@@ -14,10 +14,6 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr dvec3 kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
 const dvec3 kSpot{0, 0, -2.75};
 
-double sign_of(int side) {
-    return side == 0 ? 1.0 : -1.0;
-}
-
 // `cycles` whole turns a loop, so that everything built from it closes.
 double wave(double t, int cycles, double phase = 0) {
     return std::sin(kTwoPi * cycles * t / kMotionPeriodS + phase);

@@ -21,10 +21,10 @@ using test::fake_frame;
 using test::FakeBus;
 using testing::HasSubstr;
 
-constexpr TimeNs kPatience = 20 * kNsPerSecond;
+constexpr TimeNs kDevicePatience = 20 * kNsPerSecond;
 
 bool eventually(const std::function<bool()>& holds) {
-    const TimeNs until = now_ns() + kPatience;
+    const TimeNs until = now_ns() + kDevicePatience;
     while (!holds()) {
         if (now_ns() > until) return false;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -32,7 +32,7 @@ bool eventually(const std::function<bool()>& holds) {
     return true;
 }
 
-class LiveDevice : public testing::Test {
+class PlayedDevice : public testing::Test {
   protected:
     void SetUp() override {
         bus.plug("A");
@@ -81,16 +81,16 @@ class LiveDevice : public testing::Test {
     std::unique_ptr<LiveRunner> runner;
 };
 
-TEST_F(LiveDevice, FramesCarryTheirLatency) {
+TEST_F(PlayedDevice, FramesCarryTheirLatency) {
     put(1);
-    const auto frame = runner->wait(kPatience);
+    const auto frame = runner->wait(kDevicePatience);
     ASSERT_TRUE(frame);
     EXPECT_GE(frame->arrived, frame->set.time);
     EXPECT_GE(frame->ready, frame->arrived);
     EXPECT_LE(frame->ready, now_ns());
 }
 
-TEST_F(LiveDevice, EveryFrameIsRecordedAlsoThoseOvertaken) {
+TEST_F(PlayedDevice, EveryFrameIsRecordedAlsoThoseOvertaken) {
     const auto file = temp / "all.mkv";
     ASSERT_TRUE(runner->start_recording(file, SessionCodec::raw));
     // The tap is laid by the runner's thread.
@@ -114,7 +114,7 @@ TEST_F(LiveDevice, EveryFrameIsRecordedAlsoThoseOvertaken) {
     EXPECT_EQ(count(burst).depth, kFrames);
 }
 
-TEST_F(LiveDevice, ARecordingGoesOnAfterUnplugging) {
+TEST_F(PlayedDevice, ARecordingGoesOnAfterUnplugging) {
     const auto file = temp / "unplugged.mkv";
     ASSERT_TRUE(runner->start_recording(file, SessionCodec::raw));
     ASSERT_TRUE(eventually([&] {
@@ -138,7 +138,7 @@ TEST_F(LiveDevice, ARecordingGoesOnAfterUnplugging) {
     EXPECT_THAT(counted.events, testing::Contains(EventKind::back));
 }
 
-TEST_F(LiveDevice, ASecondRecordingAndAFileThatExistsAreRefused) {
+TEST_F(PlayedDevice, ASecondRecordingAndAFileThatExistsAreRefused) {
     const auto file = temp / "one.mkv";
     ASSERT_TRUE(runner->start_recording(file, SessionCodec::raw));
     EXPECT_FALSE(runner->start_recording(temp / "two.mkv", SessionCodec::raw));
@@ -149,7 +149,7 @@ TEST_F(LiveDevice, ASecondRecordingAndAFileThatExistsAreRefused) {
     EXPECT_FALSE(std::filesystem::exists(temp / "two.mkv"));
 }
 
-TEST_F(LiveDevice, KnobsAreSetWithoutWaiting) {
+TEST_F(PlayedDevice, KnobsAreSetWithoutWaiting) {
     put(1);
     ASSERT_NE(runner->controls(), nullptr);
     // A device that is slow to obey.
@@ -167,7 +167,7 @@ TEST_F(LiveDevice, KnobsAreSetWithoutWaiting) {
     EXPECT_LT(bus.settings_made().size(), 20u);
 }
 
-TEST_F(LiveDevice, AKnobOfADeviceThatHasGoneSaysSo) {
+TEST_F(PlayedDevice, AKnobOfADeviceThatHasGoneSaysSo) {
     put(1);
     ControlsDesk desk(*runner->controls());
     ASSERT_TRUE(eventually([&] { return !desk.knobs().empty(); }));

@@ -15,13 +15,10 @@ namespace {
 
 using test::ProgramCall;
 using test::ProgramResult;
+using test::run;
 using test::run_program;
 using test::TempDir;
 using testing::HasSubstr;
-
-ProgramResult run(std::vector<std::string> arguments) {
-    return run_program({.arguments = std::move(arguments)});
-}
 
 TEST(CommandLine, WrongUsageEndsWith2AndSaysWhy) {
     const std::vector<std::vector<std::string>> wrong = {

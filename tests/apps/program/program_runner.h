@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace kino::test {
@@ -24,6 +25,11 @@ struct ProgramCall {
 
 /// Runs the real kinoscope and waits for its end.
 [[nodiscard]] ProgramResult run_program(const ProgramCall& call);
+
+/// With nothing but arguments.
+[[nodiscard]] inline ProgramResult run(std::vector<std::string> arguments) {
+    return run_program({.arguments = std::move(arguments)});
+}
 
 /// A recording of the source tree, absolute: "office".
 [[nodiscard]] std::string bundled(const std::string& name);

@@ -14,13 +14,10 @@ namespace kino {
 namespace {
 
 using test::ProgramResult;
+using test::run;
 using test::run_program;
 using test::TempDir;
 using testing::HasSubstr;
-
-ProgramResult run(std::vector<std::string> arguments) {
-    return run_program({.arguments = std::move(arguments)});
-}
 
 nlohmann::json source_of(const std::filesystem::path& folder) {
     return nlohmann::json::parse(

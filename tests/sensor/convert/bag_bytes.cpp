@@ -44,7 +44,7 @@ Bytes field(const std::string& name, const Bytes& value) {
     return Put().counted(content.bytes).bytes;
 }
 
-Bytes number(std::uint64_t value, int size) {
+Bytes ros_number(std::uint64_t value, int size) {
     return Put().number(value, size).bytes;
 }
 
@@ -63,8 +63,9 @@ Bytes record(const std::vector<Bytes>& fields, const Bytes& data) {
 
 Bytes connection(std::uint32_t id, const std::string& topic) {
     const Bytes name(topic.begin(), topic.end());
-    return record({field("conn", number(id, 4)), field("op", number(7, 1)), field("topic", name)},
-                  field("topic", name));
+    return record(
+        {field("conn", ros_number(id, 4)), field("op", ros_number(7, 1)), field("topic", name)},
+        field("topic", name));
 }
 
 Bytes pack(const Bytes& content, BagPacking packing) {
@@ -133,7 +134,7 @@ class Writer {
             append(connection(id, topic));
         }
         index_[known->second].push_back({time, chunk_.size()});
-        append(record({field("conn", number(known->second, 4)), field("op", number(2, 1)),
+        append(record({field("conn", ros_number(known->second, 4)), field("op", ros_number(2, 1)),
                        field("time", stamp(time))},
                       data));
     }
@@ -146,8 +147,8 @@ class Writer {
                                                                    : "none";
         Put header;
         header.raw(field("compression", Bytes(name.begin(), name.end())));
-        header.raw(field("op", number(5, 1)));
-        header.raw(field("size", number(died ? 0 : chunk_.size(), 4)));
+        header.raw(field("op", ros_number(5, 1)));
+        header.raw(field("size", ros_number(died ? 0 : chunk_.size(), 4)));
         const Bytes packed = pack(chunk_, bag_.packing);
         Put whole;
         whole.counted(header.bytes).number(died ? 0 : packed.size(), 4).raw(packed);
@@ -158,10 +159,10 @@ class Writer {
                 for (const auto& [time, offset] : entries) {
                     data.raw(stamp(time)).number(offset, 4);
                 }
-                out_.raw(
-                    record({field("conn", number(id, 4)), field("count", number(entries.size(), 4)),
-                            field("op", number(4, 1)), field("ver", number(1, 4))},
-                           data.bytes));
+                out_.raw(record({field("conn", ros_number(id, 4)),
+                                 field("count", ros_number(entries.size(), 4)),
+                                 field("op", ros_number(4, 1)), field("ver", ros_number(1, 4))},
+                                data.bytes));
             }
         }
         chunk_.clear();
@@ -177,10 +178,10 @@ class Writer {
         const std::uint64_t tables =
             bag_.indexed ? magic.size() + header_size + out_.bytes.size() : 0;
         const Bytes fields = Put()
-                                 .raw(field("chunk_count", number(1, 4)))
-                                 .raw(field("conn_count", number(ids_.size(), 4)))
-                                 .raw(field("index_pos", number(tables, 8)))
-                                 .raw(field("op", number(3, 1)))
+                                 .raw(field("chunk_count", ros_number(1, 4)))
+                                 .raw(field("conn_count", ros_number(ids_.size(), 4)))
+                                 .raw(field("index_pos", ros_number(tables, 8)))
+                                 .raw(field("op", ros_number(3, 1)))
                                  .bytes;
         head.counted(fields).counted(Bytes(header_size - fields.size() - 8, ' '));
         head.raw(out_.bytes);
@@ -225,7 +226,7 @@ std::vector<std::uint8_t> make_bag(const BagBytes& bag) {
     };
     const std::string depth = "/device_0/sensor_0/Depth_0";
     const std::string color = "/device_0/sensor_1/Color_0";
-    writer.put("/file_version", 1, number(3, 4));
+    writer.put("/file_version", 1, ros_number(3, 4));
     writer.put("/device_0/info", 1, key_value("Name", "Hand-made D435"));
     writer.put("/device_0/info", 1, key_value("Serial Number", "728"));
     writer.put(depth + "/info/camera_info", 1,
@@ -234,7 +235,7 @@ std::vector<std::uint8_t> make_bag(const BagBytes& bag) {
                camera_message(bag.color_width, bag.color_height, 15, bag.model));
     std::uint32_t unit = 0;
     std::memcpy(&unit, &bag.depth_unit, 4);
-    writer.put("/device_0/sensor_0/option/Depth Units/value", 1, number(unit, 4));
+    writer.put("/device_0/sensor_0/option/Depth Units/value", 1, ros_number(unit, 4));
     // A quarter turn about z, and 15 mm to the right.
     Put place;
     for (const double value :

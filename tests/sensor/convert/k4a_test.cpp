@@ -26,7 +26,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-Result<std::unique_ptr<Source>> open(const Bytes& bytes) {
+Result<std::unique_ptr<Source>> open_k4a(const Bytes& bytes) {
     return make_k4a_source(test::owned_bytes(bytes), "test.mkv");
 }
 
@@ -35,7 +35,7 @@ TEST(K4aImport, FramesAreThoseOfAnIndependentWriter) {
     const Bytes bytes = make_k4a(file);
     ASSERT_TRUE(looks_like_k4a(*memory_byte_source(bytes)));
     EXPECT_FALSE(looks_like_session(*memory_byte_source(bytes)));
-    auto source = open(bytes);
+    auto source = open_k4a(bytes);
     ASSERT_TRUE(source) << source.error().to_string();
     EXPECT_EQ((*source)->info().serial, "000123");
     EXPECT_THAT((*source)->info().note, IsEmpty());
@@ -108,7 +108,7 @@ TEST(K4aImport, CalibrationGoesThereAndBack) {
 TEST(K4aImport, RawColourFormatsKeepTheirBytes) {
     for (const char* fourcc : {"NV12", "YUY2", "BGRA"}) {
         const K4aBytes file{.color_width = 16, .color_height = 12, .color_fourcc = fourcc};
-        auto source = open(make_k4a(file));
+        auto source = open_k4a(make_k4a(file));
         ASSERT_TRUE(source) << source.error().to_string();
         EXPECT_THAT((*source)->info().note, HasSubstr("typical values"));
         const auto sets = read_all(**source);
@@ -138,13 +138,13 @@ TEST(K4aImport, RawColourFormatsKeepTheirBytes) {
 TEST(K4aImport, ARecordingThatWasNeverClosedPlays) {
     const K4aBytes file{.finished = false};
     Bytes bytes = make_k4a(file);
-    auto whole = open(bytes);
+    auto whole = open_k4a(bytes);
     ASSERT_TRUE(whole);
     EXPECT_EQ(read_all(**whole).size(), 3u);
     // Cut inside the third depth frame: two are left.
     const std::size_t cluster = bytes.size() / 3;
     bytes.resize(bytes.size() - cluster + 2000);
-    auto cut = open(bytes);
+    auto cut = open_k4a(bytes);
     ASSERT_TRUE(cut) << cut.error().to_string();
     EXPECT_EQ(read_all(**cut).size(), 2u);
     EXPECT_THAT((*cut)->info().note, HasSubstr("cut off"));
@@ -155,7 +155,7 @@ TEST(K4aImport, EveryTruncationIsToldOrPlays) {
     std::size_t most = 0;
     for (std::size_t size = 0; size < bytes.size(); size += size < 4000 ? 1 : 4999) {
         const Bytes part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-        auto source = open(part);
+        auto source = open_k4a(part);
         if (!source) {
             EXPECT_FALSE(source.error().what.empty());
             continue;
@@ -167,7 +167,7 @@ TEST(K4aImport, EveryTruncationIsToldOrPlays) {
 
 TEST(K4aImport, WhatIsWrongIsSaid) {
     const auto problem = [](const Bytes& bytes) {
-        const auto source = open(bytes);
+        const auto source = open_k4a(bytes);
         return source ? std::string("none") : source.error().what;
     };
     EXPECT_THAT(problem(Bytes(100, 0)), HasSubstr("not a Matroska file"));
@@ -187,7 +187,7 @@ TEST(K4aImport, ACalibrationThatMakesNoSenseIsToldAndPicturesStillPlay) {
     }
     text.replace(text.find("0.8,0.6"), 7, "0.8,0.9");
     EXPECT_FALSE(rig_from_k4a(text, {320, 288}, PixelSize{1280, 720}, "here"));
-    auto source = open(make_k4a({.calibration = text}));
+    auto source = open_k4a(make_k4a({.calibration = text}));
     ASSERT_TRUE(source);
     EXPECT_THAT((*source)->info().note, HasSubstr("not a rotation"));
     EXPECT_EQ(read_all(**source).size(), 3u);
@@ -271,7 +271,7 @@ TEST(K4aExport, OfADepthModeComesBackAndFfmpegSeesTheSameBits) {
 
 TEST(K4aExport, OfAnImportIsTheSameRecording) {
     const TempDir dir;
-    auto first = open(make_k4a({.calibration = test::sample_k4a_calibration()}));
+    auto first = open_k4a(make_k4a({.calibration = test::sample_k4a_calibration()}));
     ASSERT_TRUE(first && subscribe_all(**first));
     const RigParameters rig = *(*first)->calibration();
     test::TestGeometry geometry(rig);

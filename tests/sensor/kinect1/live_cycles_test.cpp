@@ -15,9 +15,9 @@ namespace {
 
 using test::FakeKinect;
 
-constexpr StreamId kDepth{0, StreamKind::depth};
-constexpr StreamId kColor{0, StreamKind::color};
-constexpr StreamId kMotion{0, StreamKind::motion};
+constexpr StreamId kDepthStream{0, StreamKind::depth};
+constexpr StreamId kColorStream{0, StreamKind::color};
+constexpr StreamId kMotionStream{0, StreamKind::motion};
 
 /// Never says anything: the source looks by itself.
 class SilentWatch : public HotplugWatch {
@@ -91,9 +91,9 @@ TEST(LiveCycles, UnpluggedAtAnyByteAndPluggedInAgain) {
     auto opened = make_live_source(kinect1_driver(fake), "", options);
     ASSERT_TRUE(opened) << opened.error().to_string();
     LiveSource& source = **opened;
-    ASSERT_TRUE(source.subscribe(kDepth));
-    ASSERT_TRUE(source.subscribe(kColor));
-    ASSERT_TRUE(source.subscribe(kMotion));
+    ASSERT_TRUE(source.subscribe(kDepthStream));
+    ASSERT_TRUE(source.subscribe(kColorStream));
+    ASSERT_TRUE(source.subscribe(kMotionStream));
     const Sender sender(fake);
     test::Random random(8);
     Seen seen;
@@ -139,15 +139,15 @@ TEST(LiveCycles, StopsAndStartsWhileFramesAndControlsFly) {
         }
     });
     for (int i = 0; i < 30; ++i) {
-        ASSERT_TRUE(device.start(kDepth, collected));
-        ASSERT_TRUE(device.start(kColor, collected));
+        ASSERT_TRUE(device.start(kDepthStream, collected));
+        ASSERT_TRUE(device.start(kColorStream, collected));
         if (i % 10 == 0) {
-            ASSERT_TRUE(device.start(kMotion, collected));
+            ASSERT_TRUE(device.start(kMotionStream, collected));
         }
-        device.stop(kDepth);
+        device.stop(kDepthStream);
         const std::size_t depths = collected.of<DepthFrame>(StreamKind::depth).size();
-        device.stop(kColor);
-        device.stop(kMotion);
+        device.stop(kColorStream);
+        device.stop(kMotionStream);
         EXPECT_EQ(collected.of<DepthFrame>(StreamKind::depth).size(), depths);
     }
     stop = true;
@@ -161,9 +161,9 @@ TEST(LiveCycles, MotionComesAndRises) {
     ASSERT_TRUE(opened);
     test::Collected collected;
     fake->motor_angle_halves = 14;
-    ASSERT_TRUE((*opened)->start(kMotion, collected));
+    ASSERT_TRUE((*opened)->start(kMotionStream, collected));
     while (collected.count() < 3) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    (*opened)->stop(kMotion);
+    (*opened)->stop(kMotionStream);
     const auto frames = collected.of<MotionFrame>(StreamKind::motion);
     TimeNs last = -1;
     for (const auto& frame : frames) {
@@ -180,7 +180,7 @@ TEST(LiveCycles, AnsweringBadlyIsLostFramesAndGoneIsALoss) {
     ASSERT_TRUE(opened);
     test::Collected collected;
     fake->set_failures({.motor = usb::Failure::timeout});
-    ASSERT_TRUE((*opened)->start(kMotion, collected));
+    ASSERT_TRUE((*opened)->start(kMotionStream, collected));
     std::this_thread::sleep_for(std::chrono::milliseconds(150));
     fake->set_failures({});
     while (collected.count() < 1) std::this_thread::sleep_for(std::chrono::milliseconds(5));

@@ -17,7 +17,7 @@ using test::FileStep;
 using test::FrameStyle;
 using test::PutFrame;
 
-constexpr FrameStyle kSmall{.width = 12, .height = 8, .infrared = false, .texts = true};
+constexpr FrameStyle kSmallWithTexts{.width = 12, .height = 8, .infrared = false, .texts = true};
 
 struct Written {
     FileLog log;
@@ -28,7 +28,7 @@ struct Written {
 std::vector<PutFrame> small_frames(int moments) {
     std::vector<PutFrame> frames;
     for (int i = 0; i < moments; ++i) {
-        for (PutFrame& frame : test::frames_at(i, kSmall)) {
+        for (PutFrame& frame : test::frames_at(i, kSmallWithTexts)) {
             if (frames.size() % 32 < 2 || frame.id.kind == StreamKind::depth ||
                 frame.id.kind == StreamKind::color) {
                 frames.push_back(std::move(frame));
@@ -45,7 +45,8 @@ Written write_small(std::vector<PutFrame> frames, std::uint64_t capacity = UINT6
     RecorderOptions options;
     options.codec = SessionCodec::rvl;
     SessionWriter writer(std::make_unique<test::LoggedFile>(written.log, capacity),
-                         test::source_of(kSmall), test::rig_of(kSmall), options, 0);
+                         test::source_of(kSmallWithTexts), test::rig_of(kSmallWithTexts), options,
+                         0);
     const bool put = test::write_all(writer, written.frames).has_value();
     const bool finished = writer.finish(1).has_value();
     if (ended_well != nullptr) *ended_well = put && finished;

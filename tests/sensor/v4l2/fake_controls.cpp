@@ -5,15 +5,6 @@
 #include "fake_video_system.h"
 
 namespace kino::test {
-namespace {
-
-template <std::size_t N>
-void put_text(std::uint8_t (&field)[N], const std::string& text) {
-    std::memcpy(field, text.data(), std::min(N - 1, text.size()));
-}
-
-}  // namespace
-
 FakeControl* FakeVideoSystem::control(std::uint32_t id) {
     for (FakeControl& control : camera_.controls)
         if (control.id == id) return &control;

@@ -35,11 +35,6 @@ const std::map<unsigned long, std::string> kNames{
     {VIDIOC_S_EXT_CTRLS, "VIDIOC_S_EXT_CTRLS"},
 };
 
-template <std::size_t N>
-void put_text(std::uint8_t (&field)[N], const std::string& text) {
-    std::memcpy(field, text.data(), std::min(N - 1, text.size()));
-}
-
 constexpr TimeNs kPeriod = kNsPerSecond / 30;
 
 }  // namespace

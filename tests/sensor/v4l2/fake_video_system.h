@@ -2,8 +2,10 @@
 
 #include <linux/videodev2.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdint>
+#include <cstring>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -14,6 +16,12 @@
 #include "sensor/v4l2/video_system.h"
 
 namespace kino::test {
+
+/// Cut to fit, zero-terminated if the field was zero.
+template <std::size_t N>
+void put_text(std::uint8_t (&field)[N], const std::string& text) {
+    std::memcpy(field, text.data(), std::min(N - 1, text.size()));
+}
 
 struct FakeFormat {
     std::uint32_t fourcc = 0;

@@ -18,8 +18,8 @@ using test::FakeFault;
 using test::FakeVideoSystem;
 using test::random_bytes;
 
-const FakeVideoSystem::Held kNothing{};
-constexpr std::size_t kWhole = 8 * 6 * 2;
+const FakeVideoSystem::Held kHeldNothing{};
+constexpr std::size_t kSmallFrame = 8 * 6 * 2;
 
 const std::vector<int> kErrnos = {EINTR,  EAGAIN, EIO,       EINVAL, EBUSY,     ENOMEM,    ENODEV,
                                   ENXIO,  ENOTTY, EACCES,    EPERM,  ENOSPC,    EPIPE,     EPROTO,
@@ -41,16 +41,16 @@ std::shared_ptr<FakeVideoSystem> scripted() {
                         0,
                         {{0, "Disabled"}, {1, "50 Hz"}}}};
     auto system = std::make_shared<FakeVideoSystem>(camera);
-    for (std::uint64_t i = 0; i < 4; ++i) system->arrive({.bytes = random_bytes(kWhole, i)});
+    for (std::uint64_t i = 0; i < 4; ++i) system->arrive({.bytes = random_bytes(kSmallFrame, i)});
     system->arrive({.kind = FakeArrival::Kind::stall});
-    for (std::uint64_t i = 4; i < 6; ++i) system->arrive({.bytes = random_bytes(kWhole, i)});
+    for (std::uint64_t i = 4; i < 6; ++i) system->arrive({.bytes = random_bytes(kSmallFrame, i)});
     return system;
 }
 
 constexpr const char* kAddress = "?fps=15";
 
 void expect_sound(const CaptureSession& session, const FakeVideoSystem& system) {
-    EXPECT_EQ(system.held(), kNothing);
+    EXPECT_EQ(system.held(), kHeldNothing);
     EXPECT_EQ(system.misuses(), 0);
     EXPECT_LE(session.intake.losses().size(), 1u);
     EXPECT_EQ(session.intake.put_after_lost(), 0);
@@ -168,7 +168,7 @@ TEST(Faults, ThousandTimesUnpluggedAndPluggedIn) {
     std::size_t frames = 0;
     for (std::uint64_t i = 0; i < 1000; ++i) {
         for (std::uint64_t k = 0; k < i % 4; ++k)
-            system->arrive({.bytes = random_bytes(kWhole, i)});
+            system->arrive({.bytes = random_bytes(kSmallFrame, i)});
         system->arrive({.kind = FakeArrival::Kind::hang_up});
         CaptureSession session;
         session.run(system);
@@ -176,7 +176,7 @@ TEST(Faults, ThousandTimesUnpluggedAndPluggedIn) {
         ASSERT_EQ(session.intake.losses().size(), 1u);
         ASSERT_EQ(session.intake.frames().size(), i % 4);
         frames += session.intake.frames().size();
-        ASSERT_EQ(system->held(), kNothing);
+        ASSERT_EQ(system->held(), kHeldNothing);
         system->plug_in();
     }
     EXPECT_EQ(frames, 1500u);

@@ -24,20 +24,20 @@ float float_at(const std::string& b, std::size_t i) {
     return value;
 }
 
-void require(bool fine, const char* what) {
+void demand(bool fine, const char* what) {
     if (!fine) throw std::runtime_error(what);
 }
 
 void read_parameters(const std::string& b, std::size_t start, C3dFile& file) {
-    require(byte_at(b, start + 1) == 0x50, "parameter section's mark");
-    require(byte_at(b, start + 3) == 84, "PC processor");
+    demand(byte_at(b, start + 1) == 0x50, "parameter section's mark");
+    demand(byte_at(b, start + 3) == 84, "PC processor");
     const std::size_t end = start + 512 * static_cast<std::size_t>(byte_at(b, start + 2));
     std::map<int, std::string> groups;
     std::vector<std::pair<int, std::pair<std::string, C3dParameter>>> found;
     for (std::size_t at = start + 4;;) {
-        require(at + 2 < end, "parameters run beyond their section");
+        demand(at + 2 < end, "parameters run beyond their section");
         const auto name_size = static_cast<std::size_t>(std::abs(signed_byte_at(b, at)));
-        require(name_size > 0, "a record without a name before the end");
+        demand(name_size > 0, "a record without a name before the end");
         const int id = signed_byte_at(b, at + 1);
         const std::string name = b.substr(at + 2, name_size);
         const std::size_t link = at + 2 + name_size;
@@ -53,7 +53,7 @@ void read_parameters(const std::string& b, std::size_t start, C3dFile& file) {
                 size *= static_cast<std::size_t>(p.dimensions.back());
             }
             p.bytes = b.substr(link + 4 + dimensions, size);
-            require(p.bytes.size() == size, "a parameter's data is cut");
+            demand(p.bytes.size() == size, "a parameter's data is cut");
             found.push_back({id, {name, p}});
         }
         if (word_at(b, link) == 0) break;
@@ -66,17 +66,17 @@ void read_parameters(const std::string& b, std::size_t start, C3dFile& file) {
 }  // namespace
 
 int C3dParameter::integer(int i) const {
-    require(type == 2, "not an integer");
+    demand(type == 2, "not an integer");
     return word_at(bytes, static_cast<std::size_t>(2 * i));
 }
 
 float C3dParameter::real(int i) const {
-    require(type == 4, "not a real");
+    demand(type == 4, "not a real");
     return float_at(bytes, static_cast<std::size_t>(4 * i));
 }
 
 std::vector<std::string> C3dParameter::texts() const {
-    require(type == -1, "not text");
+    demand(type == -1, "not text");
     const auto width = static_cast<std::size_t>(dimensions.at(0));
     std::vector<std::string> out;
     for (std::size_t i = 0; i < bytes.size(); i += width) {
@@ -88,17 +88,17 @@ std::vector<std::string> C3dParameter::texts() const {
 }
 
 C3dFile read_c3d(const std::string& b) {
-    require(b.size() % 512 == 0, "whole blocks");
-    require(byte_at(b, 1) == 0x50, "header's mark");
+    demand(b.size() % 512 == 0, "whole blocks");
+    demand(byte_at(b, 1) == 0x50, "header's mark");
     C3dFile file;
     file.points = word_at(b, 2);
-    require(word_at(b, 4) == 0, "analog data");
+    demand(word_at(b, 4) == 0, "analog data");
     file.first_frame = word_at(b, 6);
     file.last_frame = word_at(b, 8);
     file.scale = float_at(b, 12);
     file.data_block = word_at(b, 16);
     file.rate_hz = float_at(b, 20);
-    require(file.scale < 0, "float data");
+    demand(file.scale < 0, "float data");
     read_parameters(b, 512 * static_cast<std::size_t>(byte_at(b, 0) - 1), file);
     std::size_t at = 512 * static_cast<std::size_t>(file.data_block - 1);
     for (int f = file.first_frame; f <= file.last_frame; ++f) {
@@ -109,7 +109,7 @@ C3dFile read_c3d(const std::string& b) {
         }
         file.frames.push_back(std::move(points));
     }
-    require((at + 511) / 512 * 512 == b.size(), "the file ends with the data");
+    demand((at + 511) / 512 * 512 == b.size(), "the file ends with the data");
     return file;
 }
 

@@ -174,7 +174,7 @@ void depth_and_bayer(const Report& report) {
     report.value("bad_commands", kinect->camera().bad_commands());
 }
 
-void depth10_and_infrared(const Report& report) {
+void freenect_depth10_and_infrared(const Report& report) {
     auto kinect = plug(report, {});
     if (!kinect) return;
     Library library;
@@ -239,7 +239,7 @@ void unplug(const Report& report) {
 
 std::vector<Scenario> freenect_scenarios() {
     return {{"freenect_streams", depth_and_bayer},
-            {"freenect_10bit_infrared", depth10_and_infrared},
+            {"freenect_10bit_infrared", freenect_depth10_and_infrared},
             {"freenect_motor", motor},
             {"freenect_loss_0.2", [](const Report& r) { depth_under_loss(r, 0.002); }},
             {"freenect_loss_1", [](const Report& r) { depth_under_loss(r, 0.01); }},
