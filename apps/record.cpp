@@ -44,7 +44,7 @@ struct Recorded {
     std::int64_t gestures = 0;
 };
 
-void complain(const Error& error) {
+void complain_about(const Error& error) {
     fmt::print(stderr, "kinoscope: {}\n", error.to_string());
 }
 
@@ -103,7 +103,7 @@ class RecordRun {
             auto set = source_.next(kWait);
             for (const Event& event : source_.take_events()) hear(event);
             if (!set) {
-                complain(set.error());
+                complain_about(set.error());
             } else if (*set) {
                 ++sets_;
                 last_time_ = (*set)->time;
@@ -154,7 +154,7 @@ class RecordRun {
     void find_bodies(const FrameSet& set, bool tapped) {
         if (!set.depth) return;
         const auto frame = desk_->find(set);
-        if (!frame) return complain(frame.error());
+        if (!frame) return complain_about(frame.error());
         // Sets are put as of device 0.
         const std::vector<StreamInfo>& streams = source_.info().streams;
         const int device = tapped && !streams.empty() ? streams.front().id.device : 0;
@@ -218,7 +218,7 @@ int run_record(const RecordOptions& options) {
     catch_interrupts();
     const auto recorded = record(options);
     if (!recorded) {
-        complain(recorded.error());
+        complain_about(recorded.error());
         return kExitFailed;
     }
     const RecorderStatus* const status = &recorded->status;
@@ -236,7 +236,8 @@ int run_record(const RecordOptions& options) {
                    out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     }
     if (!status->error.empty()) {
-        complain({status->error, options.out.string(), "what was written before is in the file"});
+        complain_about(
+            {status->error, options.out.string(), "what was written before is in the file"});
         return kExitFailed;
     }
     return kExitDone;

@@ -7,7 +7,7 @@
 namespace kino {
 namespace {
 
-constexpr std::size_t kMaxBytes = 65536;
+constexpr std::size_t kMaxLineBytes = 65536;
 
 // "# size: 640 480"
 std::optional<std::pair<int, int>> size_in(std::string_view comment) {
@@ -45,7 +45,7 @@ Result<std::string> tum_intrinsics(const NamedCamera& named) {
 
 Result<NamedCamera> read_tum_intrinsics(std::string_view text, const std::string& where,
                                         std::optional<std::pair<int, int>> size) {
-    if (text.size() > kMaxBytes) return fail("too long for a line of numbers", where);
+    if (text.size() > kMaxLineBytes) return fail("too long for a line of numbers", where);
     NamedCamera out;
     std::vector<double> numbers;
     bool first = true;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLeastSpread = 1.5;
 constexpr double kDropSigmas = 4;
-constexpr std::size_t kLeastSamples = 100;
+constexpr std::size_t kLeastFitSamples = 100;
 constexpr std::size_t kLeastInCell = 50;
 constexpr double kFarthest_m = 100;
 
@@ -56,9 +56,9 @@ std::optional<Line> fit_line(const std::vector<DepthSample>& samples) {
 
 Result<DisparityFit> fit_disparity(const std::vector<DepthSample>& samples,
                                    const DisparityParameters& known) {
-    if (samples.size() < kLeastSamples) {
+    if (samples.size() < kLeastFitSamples) {
         return fail(fmt::format("{} depth pixels lie on boards; {} are needed", samples.size(),
-                                kLeastSamples));
+                                kLeastFitSamples));
     }
     const auto [near, far] = std::minmax_element(
         samples.begin(), samples.end(),

@@ -54,18 +54,18 @@ std::vector<double> view_rms(const Shots& shots, const BundleState& state) {
 const BundleFreedom kBoardsOnly = {{std::array<bool, 12>{}, std::array<bool, 12>{}}, false};
 const BundleFreedom kRigAndBoards = {{std::array<bool, 12>{}, std::array<bool, 12>{}}, true};
 
-struct Joint {
+struct JoinedPair {
     BundleState state;
     std::vector<double> rms_px;  // by view
 };
 
 // The lenses as each camera alone found them, the pose between by what most views say.
-Result<Joint> join(const Shots& shots, const std::vector<Lens>& lenses) {
+Result<JoinedPair> join(const Shots& shots, const std::vector<Lens>& lenses) {
     KINO_ASSIGN(BundleState start, start_state(shots, lenses));
     BundleOptions options;
     options.max_iterations = 50;
     KINO_ASSIGN(BundleResult solved, solve_bundle(shots, std::move(start), kRigAndBoards, options));
-    Joint out{std::move(solved.state), {}};
+    JoinedPair out{std::move(solved.state), {}};
     out.rms_px = view_rms(shots, out.state);
     return out;
 }
@@ -147,7 +147,7 @@ Result<PairFindings> check_pair(const Shots& shots, const std::vector<BundleResu
     const Shots pair = both_see(shots);
     const double alone_px = std::sqrt(2.0) * std::max(alone[0].sigma_px, alone[1].sigma_px);
     std::vector<Lens> lenses = {alone[0].state.lenses[0], alone[1].state.lenses[0]};
-    KINO_ASSIGN(const Joint joint, join(pair, lenses));
+    KINO_ASSIGN(const JoinedPair joint, join(pair, lenses));
     const double limit = std::max(kVisiblePx, kDisagrees * alone_px);
     if (shared(joint.rms_px, alone_px) < 0.5) {
         for (const std::size_t camera : {std::size_t{1}, std::size_t{0}}) {
@@ -176,7 +176,7 @@ Result<PairFindings> check_pair(const Shots& shots, const std::vector<BundleResu
     // What is said about the views that disagree rests on those that agree.
     std::vector<bool> agree;
     for (const double rms : joint.rms_px) agree.push_back(rms <= limit);
-    KINO_ASSIGN(const Joint agreed, join(only_views(pair, agree), lenses));
+    KINO_ASSIGN(const JoinedPair agreed, join(only_views(pair, agree), lenses));
     std::size_t at = 0;
     for (std::size_t view = 0; view < shots.names.size(); ++view) {
         if (!by_both(shots, view)) continue;

@@ -12,7 +12,7 @@
 namespace kino {
 namespace {
 
-constexpr std::uint32_t kMaxSize = 16384;
+constexpr std::uint32_t kMaxBagEdge = 16384;
 
 struct RosHeader {
     std::uint32_t sequence = 0;
@@ -28,7 +28,7 @@ RosHeader read_header(BagCursor& cursor) {
 }
 
 bool is_size(std::uint32_t side) {
-    return side >= 1 && side <= kMaxSize;
+    return side >= 1 && side <= kMaxBagEdge;
 }
 
 }  // namespace

@@ -220,7 +220,7 @@ class K4aReader final : public ImportReader {
     std::string where_;
 };
 
-void add_note(std::string& note, const std::string& more) {
+void add_k4a_note(std::string& note, const std::string& more) {
     if (more.empty()) return;
     note += (note.empty() ? "" : "; ") + more;
 }
@@ -320,7 +320,7 @@ Result<std::unique_ptr<Source>> make_k4a_source(std::unique_ptr<ByteSource> byte
     import.info.name = "Azure Kinect " + std::filesystem::path(uri).filename().string();
     import.info.serial = import.rig.serial;
     import.info.note = import.rig.note;
-    for (const std::string& finding : file.findings) add_note(import.info.note, finding);
+    for (const std::string& finding : file.findings) add_k4a_note(import.info.note, finding);
     std::optional<Pose> accelerometer;
     if (file.calibration) accelerometer = k4a_accelerometer(*file.calibration);
     import.reader = std::make_unique<K4aReader>(std::move(bytes), std::move(file), unit,

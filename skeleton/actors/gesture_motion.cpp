@@ -15,7 +15,7 @@ using glm::dvec3;
 
 constexpr int kRight = 1;
 
-double ease(double from, double to, double t) {
+double ease_to_rest(double from, double to, double t) {
     const double x = std::clamp((t - from) / (to - from), 0.0, 1.0);
     return x * x * x * (x * (6 * x - 15) + 10);
 }
@@ -38,8 +38,8 @@ BodyPose stroking(const Stroke& s, double t) {
     // By way of places, not of directions: the hand goes straight.
     BodyPose going = rest;
     going.arm[kRight] =
-        arm_to(kRight, glm::mix(s.from_m, s.to_m, ease(1.4, 1.4 + s.stroke_s, local)));
-    const double up = ease(0.1, 0.9, local), down = ease(2.4, 3.2, local);
+        arm_to(kRight, glm::mix(s.from_m, s.to_m, ease_to_rest(1.4, 1.4 + s.stroke_s, local)));
+    const double up = ease_to_rest(0.1, 0.9, local), down = ease_to_rest(2.4, 3.2, local);
     return blend(blend(rest, going, up), rest, down);
 }
 
@@ -48,7 +48,7 @@ BodyPose holding(const dvec3& wrist, double t) {
     const BodyPose rest = at_ease(t);
     BodyPose out = rest;
     out.arm[kRight] = arm_to(kRight, wrist);
-    return blend(rest, out, ease(0.3, 1.2, local) - ease(3.9, 4.8, local));
+    return blend(rest, out, ease_to_rest(0.3, 1.2, local) - ease_to_rest(3.9, 4.8, local));
 }
 
 // Both hands in front; `half_m` apart from the middle, turned by `angle_rad` in the picture.
@@ -61,18 +61,18 @@ BodyPose both_hands(double t, double half_m, double angle_rad) {
                           0.40);
         out.arm[static_cast<std::size_t>(side)] = arm_to(side, wrist);
     }
-    return blend(rest, out, ease(0.5, 1.2, t) - ease(3.4, 4.1, t));
+    return blend(rest, out, ease_to_rest(0.5, 1.2, t) - ease_to_rest(3.4, 4.1, t));
 }
 
 BodyPose zooming(double t) {
     const double local = std::fmod(t, 5.0);
-    const double wide = ease(1.5, 2.3, local) - ease(2.3, 3.2, local);
+    const double wide = ease_to_rest(1.5, 2.3, local) - ease_to_rest(2.3, 3.2, local);
     return both_hands(local, 0.12 + 0.22 * wide, 0);
 }
 
 BodyPose rotating(double t) {
     const double local = std::fmod(t, 5.0);
-    const double turn = ease(1.5, 2.3, local) - ease(2.3, 3.2, local);
+    const double turn = ease_to_rest(1.5, 2.3, local) - ease_to_rest(2.3, 3.2, local);
     return both_hands(local, 0.22, 0.9 * turn);
 }
 

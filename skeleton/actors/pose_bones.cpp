@@ -42,7 +42,7 @@ dmat3 halfway(const dmat3& a, const dmat3& b, double w) {
     return glm::mat3_cast(glm::normalize(glm::slerp(glm::quat_cast(a), glm::quat_cast(b), w)));
 }
 
-dmat3 about(const dvec3& axis, double angle) {
+dmat3 matrix_about(const dvec3& axis, double angle) {
     return glm::mat3_cast(glm::angleAxis(angle, glm::normalize(axis)));
 }
 
@@ -83,7 +83,7 @@ void pose_arm(const ActorPose& pose, int side, std::array<dmat3, kActorBoneCount
     const double s = side == 0 ? 1 : -1;
     const auto bone = [&](ActorBone b) -> dmat3& { return turn[bone_index(b, side)]; };
     const dvec3 upper = glm::normalize(pose.upper_arm[i]), fore = glm::normalize(pose.forearm[i]);
-    bone(ActorBone::clavicle) = pose.chest * about({0, 0, 1}, s * pose.shrug_rad[i]);
+    bone(ActorBone::clavicle) = pose.chest * matrix_about({0, 0, 1}, s * pose.shrug_rad[i]);
     // The elbow's hinge where it is bent; where it is straight, the arm swung without twist.
     const dmat3 swung = pose.chest * shortest(rest.upper, glm::transpose(pose.chest) * upper);
     const dvec3 hinge = glm::cross(upper, fore) + 0.12 * across(swung * rest.arm_hinge, upper);
@@ -102,13 +102,13 @@ void pose_arm(const ActorPose& pose, int side, std::array<dmat3, kActorBoneCount
     const double twist =
         std::atan2(glm::dot(glm::cross(neutral_back, back), fingers), glm::dot(neutral_back, back));
     const double kept = std::clamp(twist, -1.75, 1.75);
-    hand = about(fingers, kept - twist) * hand;
-    bone(ActorBone::forearm_low) = about(fore, 0.6 * kept) * elbow;
+    hand = matrix_about(fingers, kept - twist) * hand;
+    bone(ActorBone::forearm_low) = matrix_about(fore, 0.6 * kept) * elbow;
     bone(ActorBone::hand) = hand;
     const double curl = pose.curl[i];
     // About the line of the knuckles, towards the palm.
     const auto bent = [&](double angle) {
-        return hand * about(glm::cross(rest.hand, -rest.hand_back), angle);
+        return hand * matrix_about(glm::cross(rest.hand, -rest.hand_back), angle);
     };
     bone(ActorBone::fingers) = bent(1.35 * curl);
     bone(ActorBone::finger_tips) = bent(1.35 * curl + 1.6 * curl);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "skeleton/synthetic/body_model.h"
+
 namespace kino {
 namespace {
 
@@ -14,10 +16,6 @@ constexpr double kUpperArm = 0.285, kForearm = 0.250;
 
 glm::dquat about(const dvec3& axis, double rad) {
     return glm::angleAxis(rad, axis);
-}
-
-double sign_of(int side) {
-    return side == 0 ? 1.0 : -1.0;
 }
 
 // Chest frame with its origin in the joint `spine`, metres; left arm, x is turned for the right.

@@ -10,7 +10,7 @@ namespace {
 
 using enum CoarsePart;
 
-constexpr std::array<std::string_view, kCoarsePartCount> kNames = {
+constexpr std::array<std::string_view, kCoarsePartCount> kCoarseNames = {
     "head",
     "torso",
     "upper_arm_left",
@@ -92,7 +92,7 @@ constexpr std::array<PclMeaning, kPclPartCount> kOfPcl = {{
 }  // namespace
 
 std::string_view coarse_part_name(CoarsePart part) {
-    return kNames.at(static_cast<std::size_t>(part));
+    return kCoarseNames.at(static_cast<std::size_t>(part));
 }
 
 CoarsePart coarse_part_at(Joint flesh, const glm::dvec3& point_m,

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kMagic = "KINOFRST";
 constexpr unsigned kVersion = 1;
-constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxForestBytes = std::size_t{256} << 20;
 
 class Writer {
   public:
@@ -185,7 +185,7 @@ Result<Forest> forest_from_bytes(std::span<const std::uint8_t> bytes, const std:
 }
 
 Result<Forest> read_forest(const std::filesystem::path& path) {
-    KINO_ASSIGN(const std::vector<std::uint8_t> bytes, read_file_bytes(path, kMaxFileBytes));
+    KINO_ASSIGN(const std::vector<std::uint8_t> bytes, read_file_bytes(path, kMaxForestBytes));
     return forest_from_bytes(bytes, path.string());
 }
 

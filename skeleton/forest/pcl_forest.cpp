@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kMaxTextDepth = 20;
 constexpr int kMaxOffsetMm = 8191;
-constexpr std::size_t kMaxFileBytes = std::size_t{128} << 20;
+constexpr std::size_t kMaxPclBytes = std::size_t{128} << 20;
 
-constexpr std::array<const char*, kPclPartCount> kNames = {
+constexpr std::array<const char*, kPclPartCount> kPclNames = {
     "left_foot",         "left_leg",      "left_knee",      "left_thigh",
     "right_foot",        "right_leg",     "right_knee",     "right_thigh",
     "right_hips",        "left_hips",     "neck",           "right_arm",
@@ -108,7 +108,7 @@ Result<ForestTree> parse_pcl_tree(std::string_view text, const std::string& wher
 
 Forest pcl_forest(std::vector<ForestTree> trees) {
     Forest forest;
-    forest.labels.assign(kNames.begin(), kNames.end());
+    forest.labels.assign(kPclNames.begin(), kPclNames.end());
     forest.distributions.resize(kPclPartCount);
     for (std::size_t l = 0; l < forest.distributions.size(); ++l)
         forest.distributions[l][l] = kForestVotes;
@@ -123,7 +123,7 @@ Result<Forest> read_pcl_forest(std::span<const std::filesystem::path> paths) {
         return fail(fmt::format("{} trees for a forest", paths.size()), {}, "give 1 to 16");
     std::vector<ForestTree> trees;
     for (const auto& path : paths) {
-        KINO_ASSIGN(const std::string text, read_file_text(path, kMaxFileBytes));
+        KINO_ASSIGN(const std::string text, read_file_text(path, kMaxPclBytes));
         KINO_ASSIGN(ForestTree tree, parse_pcl_tree(text, path.string()));
         trees.push_back(std::move(tree));
     }

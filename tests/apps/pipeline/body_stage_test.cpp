@@ -22,7 +22,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-constexpr TimeNs kPatience = 60 * kNsPerSecond;
+constexpr TimeNs kBodyPatience = 60 * kNsPerSecond;
 
 std::unique_ptr<Source> synthetic(Motion motion) {
     auto source = SyntheticSource::create(make_scene(motion, 64, 48));
@@ -146,11 +146,11 @@ std::vector<GestureEvent> record_with_runner(Motion motion, const std::string& f
     LiveRunner runner(prepared(synthetic(motion), BodyMode::recorded),
                       {.clock = [clock] { return clock->load(); }});
     EXPECT_TRUE(runner.status().bodies);
-    EXPECT_TRUE(runner.wait(kPatience));
+    EXPECT_TRUE(runner.wait(kBodyPatience));
     EXPECT_TRUE(runner.start_recording(file, SessionCodec::raw));
     for (int i = 1; i < SyntheticSource::kFrames; ++i) {
         clock->fetch_add(kNsPerSecond / 30 + 1);
-        EXPECT_TRUE(runner.wait(kPatience)) << i;
+        EXPECT_TRUE(runner.wait(kBodyPatience)) << i;
     }
     runner.stop();
     const LiveStatus status = runner.status();
@@ -217,14 +217,14 @@ TEST(Bodies, AreSwitchedOnAndOffWhilePlaying) {
                             {.mode = LoopMode::once, .bodies = {.forest = temp / "none.forest"}});
     ASSERT_TRUE(opened.has_value());
     LiveRunner runner(std::move(*opened), {.clock = [clock] { return clock->load(); }});
-    ASSERT_TRUE(runner.wait(kPatience));
+    ASSERT_TRUE(runner.wait(kBodyPatience));
     EXPECT_FALSE(runner.status().bodies);
     runner.set_bodies(true);
-    ASSERT_TRUE(runner.wait(kPatience)) << "the frame is made again in a pause of the clock";
+    ASSERT_TRUE(runner.wait(kBodyPatience)) << "the frame is made again in a pause of the clock";
     EXPECT_THAT(runner.status().bodies_error, testing::HasSubstr("none.forest"));
     EXPECT_FALSE(runner.status().bodies);
     clock->fetch_add(kNsPerSecond / 30 + 1);
-    const auto frame = runner.wait(kPatience);
+    const auto frame = runner.wait(kBodyPatience);
     ASSERT_TRUE(frame) << "playing goes on";
     EXPECT_FALSE(frame->bodies_are_new);
 }

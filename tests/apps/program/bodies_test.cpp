@@ -12,15 +12,11 @@
 namespace kino {
 namespace {
 
-using nlohmann::json;
 using test::ProgramResult;
+using test::run;
 using test::run_program;
 using test::TempDir;
 using testing::HasSubstr;
-
-ProgramResult run(std::vector<std::string> arguments) {
-    return run_program({.arguments = std::move(arguments)});
-}
 
 constexpr const char* kPush = "synthetic:push?size=320x240";
 constexpr const char* kFrames = "80";
@@ -31,25 +27,26 @@ std::string record_push(const TempDir& temp) {
     const ProgramResult result = run({"record", kPush, "--out", session, "--codec", "fast",
                                       "--frames", kFrames, "--bodies", "recorded", "--json"});
     EXPECT_EQ(result.exit_code, kExitDone) << result.err;
-    EXPECT_EQ(json::parse(result.out)["gestures"], 1);
-    EXPECT_EQ(json::parse(result.out)["people"], json::array({1}));
+    EXPECT_EQ(nlohmann::json::parse(result.out)["gestures"], 1);
+    EXPECT_EQ(nlohmann::json::parse(result.out)["people"], nlohmann::json::array({1}));
     EXPECT_THAT(result.err, HasSubstr("push"));
     return session;
 }
 
-json bodies_of(const std::string& uri, const std::filesystem::path& out, const char* mode) {
+nlohmann::json bodies_of(const std::string& uri, const std::filesystem::path& out,
+                         const char* mode) {
     const ProgramResult result =
         run({"replay", uri, "--headless", out, "--frames", kFrames, "--size", "64x48", "--pictures",
              "0", "--loop", "once", "--bodies", mode});
     EXPECT_EQ(result.exit_code, kExitDone) << result.err;
-    return json::parse(
+    return nlohmann::json::parse(
         test::read_bytes(out / "summary.json"))["deterministic"]["sources"][0]["bodies"];
 }
 
 TEST(Bodies, WhatWasRecordedIsShownAgain) {
     const TempDir temp;
     const std::string session = record_push(temp);
-    const json recorded = bodies_of(session, temp / "off", "off");
+    const nlohmann::json recorded = bodies_of(session, temp / "off", "off");
     ASSERT_EQ(recorded["gestures"].size(), 1u);
     EXPECT_EQ(recorded["gestures"][0]["kind"], "push");
     EXPECT_EQ(recorded["gestures"][0]["body"], 1);
@@ -77,7 +74,7 @@ TEST(Motion, EveryFormatOfRecordedBodies) {
         const std::string file = temp / name;
         const ProgramResult result = run({"convert", session, "--motion", file, "--json"});
         ASSERT_EQ(result.exit_code, kExitDone) << result.err;
-        const json motion = json::parse(result.out)["motion"];
+        const nlohmann::json motion = nlohmann::json::parse(result.out)["motion"];
         EXPECT_EQ(motion["bodies"], "recorded");
         EXPECT_EQ(motion["person"], 1);
         EXPECT_EQ(motion["frames"], 80) << name;
@@ -90,8 +87,8 @@ TEST(Motion, EveryFormatOfRecordedBodies) {
     const ProgramResult both = run({"convert", session, temp / "b.mkv", "--motion", temp / "b.csv",
                                     "--from", "10", "--count", "20", "--json"});
     ASSERT_EQ(both.exit_code, kExitDone) << both.err;
-    EXPECT_EQ(json::parse(both.out)["frames"]["depth"], 20);
-    EXPECT_EQ(json::parse(both.out)["motion"]["moments"], 20);
+    EXPECT_EQ(nlohmann::json::parse(both.out)["frames"]["depth"], 20);
+    EXPECT_EQ(nlohmann::json::parse(both.out)["motion"]["moments"], 20);
 }
 
 TEST(Motion, WhatCannotBeExportedIsNamed) {

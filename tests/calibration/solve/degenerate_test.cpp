@@ -18,14 +18,14 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-CalibrateOptions brown4() {
+CalibrateOptions brown4_only() {
     CalibrateOptions options;
     options.models = {LensModel::brown4};
     return options;
 }
 
 std::string complaint(const Shots& shots) {
-    const auto found = calibrate(shots, brown4());
+    const auto found = calibrate(shots, brown4_only());
     return found ? "no complaint" : found.error().to_string();
 }
 
@@ -71,7 +71,7 @@ TEST(Degenerate, BoardMovedBetweenThePictures) {
     for (const std::size_t view : {std::size_t{4}, std::size_t{11}}) {
         shots.cameras[1].views[view] = later.cameras[1].views[view];
     }
-    const auto found = calibrate(shots, brown4());
+    const auto found = calibrate(shots, brown4_only());
     ASSERT_TRUE(found) << found.error().to_string();
     EXPECT_EQ(found->views.size(), 18u);
     EXPECT_THAT(found->notes, Contains(HasSubstr("view 4: the board moved between the two")));
@@ -92,7 +92,7 @@ TEST(Degenerate, TwoBoardSizesMixed) {
             shots.cameras[c].views[view] = other.cameras[c].views[view];
         }
     }
-    const auto found = calibrate(shots, brown4());
+    const auto found = calibrate(shots, brown4_only());
     ASSERT_TRUE(found) << found.error().to_string();
     for (const char* view : {"view 2", "view 7"}) {
         EXPECT_THAT(found->notes,

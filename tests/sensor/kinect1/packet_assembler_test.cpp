@@ -233,14 +233,14 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryMode,
                              return "mode" + std::to_string(static_cast<int>(test.param));
                          });
 
-constexpr CameraMode kDepth = CameraMode::depth_11bit;
+constexpr CameraMode kDepthMode = CameraMode::depth_11bit;
 constexpr int kPayload = 1748;
 
 // One frame in the middle of five whose packets are changed; what comes of it.
 template <class Change>
 std::vector<Delivered> spoil_one(Change change, PacketCounts* counts = nullptr) {
-    Wire wire(kDepth);
-    Receiver receiver(kDepth);
+    Wire wire(kDepthMode);
+    Receiver receiver(kDepthMode);
     for (int f = 0; f < 5; ++f) {
         auto packets = wire.next();
         if (f == 2) change(packets);
@@ -351,8 +351,8 @@ TEST(PacketAssembler, AFlagInTheWrongPlaceDropsTheFrame) {
 // 276 packets go missing, which the sequence shows as 20, and then just those packets whose flags
 // would have shown it: only the device time tells.
 TEST(PacketAssembler, AWrapThatNoFlagShowsIsFoundByDeviceTime) {
-    Wire wire(kDepth);
-    Receiver receiver(kDepth);
+    Wire wire(kDepthMode);
+    Receiver receiver(kDepthMode);
     for (std::size_t f = 0; f < 6; ++f) {
         const auto packets = wire.next();
         for (std::size_t p = 0; p < packets.size(); ++p) {
@@ -366,8 +366,8 @@ TEST(PacketAssembler, AWrapThatNoFlagShowsIsFoundByDeviceTime) {
 }
 
 TEST(PacketAssembler, NothingBeforeTheFirstStartIsCounted) {
-    Wire wire(kDepth);
-    Receiver receiver(kDepth);
+    Wire wire(kDepthMode);
+    Receiver receiver(kDepthMode);
     auto packets = wire.next();
     packets.erase(packets.begin(), packets.begin() + 100);
     receiver.feed(packets);
@@ -380,8 +380,8 @@ TEST(PacketAssembler, NothingBeforeTheFirstStartIsCounted) {
 TEST(PacketAssembler, AnotherModesFramesAreNotTakenForThisOnes) {
     // A camera left running by a program that died sends its old mode for a while.
     Wire before(CameraMode::depth_10bit);
-    Wire wire(kDepth);
-    Receiver receiver(kDepth);
+    Wire wire(kDepthMode);
+    Receiver receiver(kDepthMode);
     for (int f = 0; f < 3; ++f) receiver.feed(before.next());
     EXPECT_TRUE(receiver.delivered.empty());
     for (int f = 0; f < 3; ++f) receiver.feed(wire.next());

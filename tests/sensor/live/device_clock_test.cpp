@@ -37,7 +37,7 @@ struct SimulatedDevice {
     }
 };
 
-constexpr TimeNs kPeriod = kNsPerSecond / 30;
+constexpr TimeNs kClockPeriod = kNsPerSecond / 30;
 
 struct Law {
     bool any = false;
@@ -61,7 +61,7 @@ TEST(DeviceClock, FollowsTheTrueTimeThroughDriftJitterAndWraps) {
         TimeNs last_arrival = 0;
         TimeNs worst = 0;
         // Ten minutes: the counter wraps eight times.
-        for (TimeNs now = 0; now < 600 * kNsPerSecond; now += kPeriod) {
+        for (TimeNs now = 0; now < 600 * kNsPerSecond; now += kClockPeriod) {
             const TimeNs arrival = last_arrival = std::max(last_arrival, device.arrival(now));
             const auto moment = clock.at(device.ticks(now), arrival);
             law.rises(moment, arrival);
@@ -80,7 +80,7 @@ TEST(DeviceClock, DeviceTimeIsTheUnwrappedCounterAtTheNominalRate) {
     SimulatedDevice device{.drift = 1e-4};
     DeviceClock clock(kRate, 32);
     const TimeNs start = 70 * kNsPerSecond;
-    for (TimeNs now = start; now < start + 200 * kNsPerSecond; now += kPeriod) {
+    for (TimeNs now = start; now < start + 200 * kNsPerSecond; now += kClockPeriod) {
         const auto moment = clock.at(device.ticks(now), device.arrival(now));
         const auto expected = static_cast<double>(now - start) * (1 + device.drift);
         ASSERT_NEAR(static_cast<double>(moment.device_time), expected, 40);
@@ -92,7 +92,7 @@ TEST(DeviceClock, APauseLongerThanTheCountersRangeIsNotLost) {
     DeviceClock clock(kRate, 32);
     Law law;
     const auto run = [&](TimeNs from, TimeNs to) {
-        for (TimeNs now = from; now < to; now += kPeriod) {
+        for (TimeNs now = from; now < to; now += kClockPeriod) {
             const TimeNs arrival = std::max(law.last.host_time, device.arrival(now));
             law.rises(clock.at(device.ticks(now), arrival), arrival);
             if (HasFatalFailure()) return;
@@ -114,7 +114,7 @@ TEST(DeviceClock, AResetOfTheCounterIsFoundAndTimeGoesOn) {
         Law law;
         TimeNs last_arrival = 0;
         const TimeNs reset = from_seconds(random.real(3, 60));
-        for (TimeNs now = 0; now < reset + 5 * kNsPerSecond; now += kPeriod) {
+        for (TimeNs now = 0; now < reset + 5 * kNsPerSecond; now += kClockPeriod) {
             if (now >= reset && device.counter_zero == 0) device.counter_zero = now;
             const TimeNs arrival = last_arrival = std::max(last_arrival, device.arrival(now));
             const auto moment = clock.at(device.ticks(now), arrival);
@@ -132,7 +132,7 @@ TEST(DeviceClock, RestartTakesTheNextStampAsItIs) {
     SimulatedDevice device;
     DeviceClock clock(kRate, 32);
     Law law;
-    for (TimeNs now = 0; now < 10 * kNsPerSecond; now += kPeriod) {
+    for (TimeNs now = 0; now < 10 * kNsPerSecond; now += kClockPeriod) {
         law.rises(clock.at(device.ticks(now), now + kLeastDelay), now + kLeastDelay);
     }
     clock.restart();
@@ -149,13 +149,13 @@ TEST(DeviceClock, AResetDuringALongPauseIsFoundByStayingLate) {
     SimulatedDevice device;
     DeviceClock clock(kRate, 32);
     Law law;
-    for (TimeNs now = 0; now < 5 * kNsPerSecond; now += kPeriod) {
+    for (TimeNs now = 0; now < 5 * kNsPerSecond; now += kClockPeriod) {
         law.rises(clock.at(device.ticks(now), now), now);
     }
     // The counter goes on 10 s behind after a pause of 40 s: like a backlog, but it never ends.
     device.counter_zero = 10 * kNsPerSecond;
     const TimeNs back = 45 * kNsPerSecond;
-    for (TimeNs now = back; now < back + 5 * kNsPerSecond; now += kPeriod) {
+    for (TimeNs now = back; now < back + 5 * kNsPerSecond; now += kClockPeriod) {
         law.rises(clock.at(device.ticks(now), now), now);
     }
     EXPECT_EQ(clock.jumps(), 1);
@@ -166,7 +166,7 @@ TEST(DeviceClock, ABacklogAfterAStandstillKeepsItsTimes) {
     SimulatedDevice device;
     DeviceClock clock(kRate, 32);
     Law law;
-    for (TimeNs now = 0; now < 20 * kNsPerSecond; now += kPeriod) {
+    for (TimeNs now = 0; now < 20 * kNsPerSecond; now += kClockPeriod) {
         // The process stood still from 10 s to 13 s.
         const TimeNs arrival = now > 10 * kNsPerSecond ? std::max(now, 13 * kNsPerSecond) : now;
         const auto moment = clock.at(device.ticks(now), arrival);
@@ -182,7 +182,7 @@ TEST(DeviceClock, OnePunctualStampIsEnoughToSetLateOnesRight) {
     SimulatedDevice device;
     const TimeNs late[] = {20 * kNsPerMs, 0, 20 * kNsPerMs, 30 * kNsPerMs};
     for (int i = 0; i < 4; ++i) {
-        const TimeNs now = (i + 1) * kPeriod;
+        const TimeNs now = (i + 1) * kClockPeriod;
         const auto moment = clock.at(device.ticks(now), now + late[i]);
         if (i > 0) {
             EXPECT_LT(std::abs(moment.host_time - now), kNsPerMs) << i;
@@ -194,7 +194,7 @@ TEST(DeviceClock, TwoStreamsMayShareItAndSwapPlaces) {
     SimulatedDevice device{.drift = 1e-4};
     DeviceClock clock(kRate, 32);
     TimeNs newest = 0;
-    for (TimeNs now = kNsPerSecond; now < 100 * kNsPerSecond; now += kPeriod) {
+    for (TimeNs now = kNsPerSecond; now < 100 * kNsPerSecond; now += kClockPeriod) {
         const TimeNs arrival = now + 40 * kNsPerMs;
         const auto depth = clock.at(device.ticks(now), arrival);
         const auto color = clock.at(device.ticks(now - 20 * kNsPerMs), arrival);

@@ -13,7 +13,7 @@
 namespace kino::test {
 namespace {
 
-constexpr double kCm = 0.01;
+constexpr double kBvhCm = 0.01;
 constexpr double kPi = 3.14159265358979323846;
 
 double worst_m(const MotionClip& clip, MotionSummary* summary = nullptr) {
@@ -23,7 +23,7 @@ double worst_m(const MotionClip& clip, MotionSummary* summary = nullptr) {
     EXPECT_NEAR(file.frame_time_s, 1.0 / 30, 1e-9);
     double worst = 0;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-        worst = std::max(worst, largest_error_m(file.positions(i), kCm, wanted[i]));
+        worst = std::max(worst, largest_error_m(file.positions(i), kBvhCm, wanted[i]));
     }
     return worst;
 }
