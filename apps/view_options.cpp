@@ -138,7 +138,8 @@ void add_body_options(CLI::App& app, BodyOptions& bodies) {
 }
 
 void add_tracking_options(CLI::App& app, BodyOptions& bodies) {
-    app.add_flag("--seated", bodies.seated, "bodies: ten joints, for people who sit");
+    app.add_flag("--seated", bodies.seated,
+                 "bodies: ten joints, for people who sit; a recording may say so itself");
     app.add_flag("--moving-sensor", bodies.moving_sensor,
                  "bodies: the sensor may move, so the room is not learned");
     app.add_option("--filter-joints", bodies.joint_filter,

@@ -40,7 +40,7 @@ class ClipDepth {
 
     ClipDescription description_;
     std::vector<std::uint16_t> units_;  ///< depth of each v in 1/16 of 1/765
-    Image<std::int16_t> code_;  ///< v in 1/16 of 1/765, so 0..12240
+    Image<std::int16_t> code_;          ///< v in 1/16 of 1/765, so 0..12240
     Image<std::int16_t> low_, high_, row_low_, row_high_;
     Image<std::int16_t> surface_;  ///< code_ of the valid pixels, with a margin all round
     std::vector<std::int32_t> sum_, count_;

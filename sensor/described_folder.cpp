@@ -139,6 +139,7 @@ Result<std::unique_ptr<Source>> open_described_folder(const std::string& uri) {
     info.serial = said.rig.serial;
     info.note = said.note;
     info.licence = said.licence;
+    info.seated_people = said.seated_people;
     info.streams.push_back({{0, StreamKind::depth},
                             said.rig.depth.width,
                             said.rig.depth.height,

@@ -117,8 +117,8 @@ Result<ClipDescription> read_clip(const JsonCursor& object) {
 Result<Description> parse_description(std::string_view text, const std::string& where) {
     KINO_ASSIGN(const auto document, parse_json(text, where));
     const JsonCursor root(document, where);
-    KINO_TRY(root.only({"kinoscope", "name", "licence", "note", "serial", "fps", "times_ns",
-                        "depth", "color", "clip", "cameras", "color_from_depth",
+    KINO_TRY(root.only({"kinoscope", "name", "licence", "note", "people", "serial", "fps",
+                        "times_ns", "depth", "color", "clip", "cameras", "color_from_depth",
                         "depth_is_registered_to_color", "disparity", "range_m"}));
     KINO_ASSIGN(const JsonCursor version, root.member("kinoscope"));
     KINO_TRY(version.integer(1, 1));
@@ -126,6 +126,14 @@ Result<Description> parse_description(std::string_view text, const std::string& 
     KINO_TRY(root.read("name", out.name));
     KINO_TRY(root.read("licence", out.licence));
     KINO_TRY(root.read("note", out.note));
+    if (const auto people = root.find("people")) {
+        KINO_ASSIGN(const std::string how, people->text());
+        out.seated_people = how == "seated";
+        if (!out.seated_people && how != "standing") {
+            return people->error(fmt::format("\"{}\" is no way to be", how),
+                                 "known: standing, seated");
+        }
+    }
     KINO_ASSIGN(out.rig, read_rig_members(root));
     KINO_TRY(validate_rig_of(out.rig, where));
 

@@ -43,6 +43,7 @@ struct ClipDescription {
 
 /// What kinoscope.json says about a folder. A folder of frames:
 ///   {"kinoscope": 1, "name": "..", "licence": "..", "note": "..", "serial": "..",
+///    "people": "standing" | "seated",           of whom only head, shoulders and arms are seen
 ///    "fps": 30                       or "times_ns": [0, 33333333, ..], one a depth frame,
 ///    "depth": {"dir": "depth", "unit": "millimetres" | "kinect_disparity11"
 ///                              or "per_metre": 5000},
@@ -59,6 +60,7 @@ struct Description {
     std::string name;
     std::string licence;
     std::string note;
+    bool seated_people = false;
     RigParameters rig;
 
     std::string depth_dir;  ///< empty for a clip

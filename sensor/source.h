@@ -48,6 +48,7 @@ struct SourceInfo {
     std::string note;     ///< what the viewer must say: "depth only, roughly metric"
     std::string licence;  ///< of a recording, if stated
     std::vector<StreamInfo> streams;
+    bool seated_people = false;  ///< a recording that says: nothing below the hips is to be asked
 };
 
 /// What only recordings (and the synthetic source) can do: exact random access by frame index.

@@ -36,9 +36,11 @@ Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
     } else if (const Timeline* timeline = source->timeline()) {
         mode = natural_loop(*timeline);
     }
-    KINO_ASSIGN(auto bodies, BodyStage::create(options.bodies, processor->rig()));
-    return OpenedSource{std::move(source),  std::move(*processor), mode,
-                        std::move(streams), options.bodies,        std::move(bodies)};
+    BodyOptions of_bodies = options.bodies;
+    of_bodies.seated = of_bodies.seated || source->info().seated_people;
+    KINO_ASSIGN(auto bodies, BodyStage::create(of_bodies, processor->rig()));
+    return OpenedSource{std::move(source), std::move(*processor), mode, std::move(streams),
+                        of_bodies,         std::move(bodies)};
 }
 
 Result<OpenedSource> open_for_playing(const std::string& uri, const PlayOptions& options) {

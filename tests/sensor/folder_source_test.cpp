@@ -343,6 +343,14 @@ TEST(DescribedFolder, WrongDescriptionsNameTheirPlace) {
     EXPECT_THAT(error_of(described(R"("clip": {"file": "a.webm", "code": "luma"})")),
                 HasSubstr("\"bright_m\" is missing"));
     EXPECT_THAT(error_of(described(depth + R"(, "clip": {})")), HasSubstr("cannot be combined"));
+    EXPECT_THAT(
+        error_of(described(
+            R"("clip": {"file": "a", "code": "luma", "scale": "freenect_viewer", "dark_m": 1})")),
+        HasSubstr("#/clip/dark_m: the scale freenect_viewer has distances of its own"));
+    EXPECT_THAT(error_of(described(R"("clip": {"file": "a", "code": "luma", "scale": "log"})")),
+                HasSubstr("unknown scale \"log\""));
+    EXPECT_THAT(error_of(described(depth + R"(, "people": "lying")")),
+                HasSubstr("known: standing, seated"));
 }
 
 TEST(FolderSource, SteppingTwiceIsBitIdentical) {

@@ -88,6 +88,7 @@ TEST(RecordingOfThePerson, SaysThatItsDistancesAreRough) {
     auto source = open_source("recordings/person");
     ASSERT_TRUE(source);
     EXPECT_THAT((*source)->info().note, ::testing::HasSubstr("roughly metric"));
+    EXPECT_TRUE((*source)->info().seated_people);
     EXPECT_FALSE((*source)->subscribe({0, StreamKind::color}));
 }
 

@@ -118,6 +118,16 @@ TEST(BodyStage, WhatCannotBeHadIsNamed) {
                 testing::HasSubstr("magic"));
 }
 
+TEST(BodyStage, ARecordingMaySayThatItsPeopleSit) {
+    const PlayOptions play{.bodies = {.mode = BodyMode::on}};
+    const auto person = open_for_playing("recordings/person", play);
+    ASSERT_TRUE(person) << person.error().to_string();
+    EXPECT_TRUE(person->body_options.seated);
+    const auto desk = open_for_playing("recordings/desk", play);
+    ASSERT_TRUE(desk) << desk.error().to_string();
+    EXPECT_FALSE(desk->body_options.seated);
+}
+
 std::vector<GestureEvent> gestures_of(std::unique_ptr<Source> source, BodyMode mode) {
     Stepper stepper(prepared(std::move(source), mode));
     std::vector<GestureEvent> out;
