@@ -151,7 +151,8 @@ TEST(SessionTimeline, GesturesComeAgainWithTheirFrame) {
     SessionWriter writer(std::make_unique<test::LoggedFile>(log), test::source_of(), test::rig_of(),
                          {}, 0);
     ASSERT_TRUE(test::write_all(writer, frames_between(0, 4)).has_value());
-    const auto source_before = source_over(test::session_of(frames_between(0, 4)));
+    const auto bytes_before = test::session_of(frames_between(0, 4));
+    const auto source_before = source_over(bytes_before);
     TimeNs third = 0;
     for (int i = 0; i < 3; ++i) third = (*source_before->next(0))->time;
     const std::string detail = R"({"body":1,"gesture":"push"})";
