@@ -1,5 +1,7 @@
 #include "apps/window/playing.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <utility>
 
@@ -59,6 +61,17 @@ TimeNs Playing::round() const {
     if (times_.empty()) return 0;
     const TimeNs once = times_.back() + last_duration_;
     return runner_->status().mode == LoopMode::ping_pong ? 2 * once : once;
+}
+
+std::string Playing::stop() {
+    runner_->stop();
+    const LiveStatus status = runner_->status();
+    if (!status.recording) return {};
+    const RecorderStatus& recording = *status.recording;
+    return fmt::format("recorded {} frames, {:.1f} MB{}{}", recording.frames,
+                       static_cast<double>(recording.bytes) / 1e6,
+                       recording.dropped > 0 ? fmt::format(", {} lost", recording.dropped) : "",
+                       recording.error.empty() ? "" : "; " + recording.error);
 }
 
 }  // namespace kino

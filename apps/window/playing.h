@@ -33,6 +33,9 @@ class Playing {
     /// A picture was shown: stepped, the clock moves on to the next frame.
     void picture_shown();
 
+    /// Ends it. What was recorded, for a person; empty if nothing was.
+    [[nodiscard]] std::string stop();
+
     /// Its frames come when they come: it has no timeline.
     [[nodiscard]] bool is_device() const { return times_.empty(); }
     /// Recorded time of frame `index` from the start; 0 for devices.

@@ -484,20 +484,9 @@ Result<void> Viewer::run(const std::string& note) {
         }
         open_next_when_over();
     }
-    finish_recording();
+    if (const std::string recorded = playing_->stop(); !recorded.empty())
+        fmt::print(stderr, "{}\n", recorded);
     return {};
-}
-
-void Viewer::finish_recording() {
-    LiveRunner& runner = playing_->runner();
-    runner.stop();
-    const LiveStatus status = runner.status();
-    if (!status.recording) return;
-    const RecorderStatus& recording = *status.recording;
-    fmt::print(stderr, "recorded {} frames, {:.1f} MB{}{}\n", recording.frames,
-               static_cast<double>(recording.bytes) / 1e6,
-               recording.dropped > 0 ? fmt::format(", {} lost", recording.dropped) : "",
-               recording.error.empty() ? "" : "; " + recording.error);
 }
 
 }  // namespace kino

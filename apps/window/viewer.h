@@ -52,7 +52,6 @@ class Viewer {
     void start_recording(const std::filesystem::path& file);
     void toggle_recording();
     void toggle_bodies();
-    void finish_recording();
     void hear_source();
     void click();
     void take_screenshot();

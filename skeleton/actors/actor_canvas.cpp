@@ -6,21 +6,13 @@
 
 #include "base/check.h"
 #include "skeleton/actors/mesh_raster.h"
+#include "skeleton/synthetic/normal_quantile.h"
 
 namespace kino {
 namespace {
 
 constexpr int kMargin = 8;
 constexpr int kQuantiles = 4096;
-
-double normal_quantile(double p) {
-    double lo = -6, hi = 6;
-    for (int i = 0; i < 60; ++i) {
-        const double middle = (lo + hi) / 2;
-        (0.5 * std::erfc(-middle / std::sqrt(2.0)) < p ? lo : hi) = middle;
-    }
-    return (lo + hi) / 2;
-}
 
 const std::vector<float>& normal_quantiles() {
     static const std::vector<float> quantiles = [] {
