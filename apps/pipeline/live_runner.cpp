@@ -285,13 +285,15 @@ void LiveRunner::deliver(Result<std::optional<ProcessedFrame>> frame) {
 }
 
 void LiveRunner::run_timeline() {
-    std::optional<std::int64_t> last;
+    // A pair, as g++ 12 takes the value of an optional for uninitialized in sanitized builds.
+    std::int64_t last = 0;
+    bool read_before = false;
     std::unique_lock lock(mutex_);
     while (!stopping_) {
         const std::int64_t due = playback_->due(clock_());
-        if (last && due == *last) {
+        if (read_before && due == last) {
             // Bodies that come or go are seen in a pause, too.
-            if (wanted_bodies_ != (opened_.bodies != nullptr)) last.reset();
+            if (wanted_bodies_ != (opened_.bodies != nullptr)) read_before = false;
             if (recorder_ != wanted_recorder_ || left_recorder_) {
                 lock.unlock();
                 follow_recording();
@@ -300,9 +302,10 @@ void LiveRunner::run_timeline() {
             changed_.wait_for(lock, kLook);
             continue;
         }
-        if (last && !std::exchange(jumped_, false)) count_skipped(*last, due);
+        if (read_before && !std::exchange(jumped_, false)) count_skipped(last, due);
         jumped_ = false;
         last = due;
+        read_before = true;
         lock.unlock();
         follow_recording();
         follow_bodies();
