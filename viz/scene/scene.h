@@ -10,6 +10,8 @@
 #include "base/image.h"
 #include "base/pose.h"
 #include "calibration/rig.h"
+#include "viz/scene/material.h"
+#include "viz/scene/mesh_asset.h"
 
 namespace kino {
 
@@ -49,14 +51,35 @@ struct LiveDepth {
     bool fill_holes = true;  ///< one-pixel holes between splats take a neighbour's colour
 };
 
-enum class LightKind : std::uint8_t { directional, point };
+enum class LightKind : std::uint8_t { directional, point, spot };
+
+enum class LightShadow : std::uint8_t {
+    none,
+    raycast  ///< hard shadows by rays; what asks for them brings the acceleration structure
+};
 
 struct Light {
     LightKind kind = LightKind::directional;
-    glm::dvec3 position{0};          ///< world; point lights
-    glm::dvec3 direction{0, -1, 0};  ///< world, the way the light travels; directional lights
-    glm::vec3 color{1};              ///< linear; irradiance at 1 m (point) or everywhere
-    float radius_m = 5;              ///< a point light ends here, smoothly
+    glm::dvec3 position{0};             ///< world; point and spot lights
+    glm::dvec3 direction{0, -1, 0};     ///< world, the way the light travels; not point lights
+    glm::vec3 color{1};                 ///< linear; irradiance at 1 m (point, spot) or everywhere
+    float radius_m = 5;                 ///< point and spot lights end here, smoothly
+    float inner_rad = 0.3f;             ///< spot: full light within this half angle
+    float outer_rad = 0.5f;             ///< spot: none beyond this one
+    std::uint32_t material_mask = ~0u;  ///< bit i: lights surfaces of material i
+    LightShadow shadow = LightShadow::none;
+    bool indirect = false;  ///< one bounce of it is simulated (spot lights)
+};
+
+/// A mesh in the scene.
+struct MeshNode {
+    std::uint32_t id = 1;  ///< stable from frame to frame, 1 .. 65535; 0 is the live depth frame
+    std::shared_ptr<const MeshAsset> mesh;
+    glm::dmat4 world_from_object{1};           ///< may scale, also differently along the axes
+    glm::dmat4 previous_world_from_object{1};  ///< one rendered frame ago
+    std::uint32_t material = 0;                ///< index into Scene::materials, plus one
+    /// Skinned meshes: object_from_bind of every joint; null draws the bind pose.
+    std::shared_ptr<const std::vector<glm::mat4>> pose;
 };
 
 struct BodyNode {
@@ -71,6 +94,8 @@ struct Scene {
     double dt_s = 0;
     std::optional<LiveDepth> live;
     std::vector<BodyNode> bodies;
+    std::vector<MeshNode> meshes;
+    std::vector<Material> materials;  ///< at most kMaxMaterials - 1
     std::vector<Light> lights;
     ColorMode color_mode = ColorMode::captured;
     glm::vec3 ambient{0.08f};  ///< linear; relit only

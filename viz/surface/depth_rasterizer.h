@@ -26,6 +26,7 @@ struct SurfaceTargets {
     graph::TextureId view_z;  ///< R32F, metres along the view axis, 0 = nothing
     graph::TextureId normal;  ///< RG16 snorm, octahedral, view space
     graph::TextureId id;      ///< R32UI: depth pixel (cloud) or triangle (mesh), ~0 = nothing
+    graph::TextureId object;  ///< R32UI: material << 16 | object id; 0: live depth or nothing
 };
 constexpr VkFormat kViewZFormat = VK_FORMAT_R32_SFLOAT;
 constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16_SNORM;

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+
+#include "viz/graph/graph.h"
+#include "viz/scene/scene.h"
+#include "viz/scene/view.h"
+#include "viz/surface/depth_rasterizer.h"
+
+namespace kino {
+
+/// Spacing of the 32 depth cells of 2.5D culling (GPU Pro 4, Forward+, 5.4.2).
+enum class DepthCells : std::uint8_t { none, linear, logarithmic };
+
+struct LightListOptions {
+    std::uint32_t tile_px = 16;    ///< 8, 16 or 32
+    std::uint32_t capacity = 256;  ///< lights a tile; what does not fit is dropped and counted
+    DepthCells cells = DepthCells::linear;
+    bool two_level = true;  ///< macro tiles first
+    /// For blended surfaces: from the near plane to the farthest opaque depth, without cells.
+    bool for_blended = false;
+};
+
+/// Which lights reach which tile. Lists are in ascending order of light, the same every run.
+struct LightLists {
+    graph::BufferId lights;    ///< shared::LightRecord, view space; global (directional) ones first
+    graph::BufferId headers;   ///< uvec2 a tile: first index, count
+    graph::BufferId indices;   ///< light indices
+    graph::BufferId counters;  ///< shared::LightListCounters
+    std::uint32_t tile_px = 0;
+    std::uint32_t tiles_x = 0, tiles_y = 0;
+    std::uint32_t global_count = 0;  ///< the first lights are in no list and light everything
+    std::uint32_t local_count = 0;
+};
+
+/// Up to this many local lights the shader walks all of them, and there is no culling.
+constexpr std::size_t kLightsWithoutLists = 8;
+
+/// What was refused before it reached the device.
+struct LightCheck {
+    std::uint32_t dropped = 0;  ///< not finite, or without a radius
+};
+
+/// True where the scene's lights are worth lists.
+[[nodiscard]] bool wants_light_lists(const Scene& scene);
+
+/// Adds the culling passes for the depths in `view_z` (R32F, 0 = nothing; size of the view).
+[[nodiscard]] LightLists add_light_lists(graph::FrameGraph& graph, const Scene& scene,
+                                         const View& view, graph::TextureId view_z,
+                                         const LightListOptions& options);
+
+/// Shades the surface with lists, materials and (if valid) shadow masks into a new linear RGBA16F
+/// texture of the surface's size. `view` may be a smaller version of the lists' view (framebuffer
+/// LOD): tiles are found by position. The surface must have albedo, view_z, normal; without
+/// `object` everything has material 0.
+struct ShadeInputs {
+    SurfaceTargets surface;
+    LightLists lists;
+    graph::BufferId shadow_masks;  ///< invalid: no light has a shadow
+};
+[[nodiscard]] graph::TextureId add_shade_pass(graph::FrameGraph& graph, const Scene& scene,
+                                              const View& view, const ShadeInputs& inputs);
+
+}  // namespace kino
