@@ -7,7 +7,7 @@
 
 namespace kino::gpu {
 
-void Commands::bind(const Pipeline& pipeline, std::initializer_list<Bound> resources) {
+void Commands::bind(const Pipeline& pipeline, std::span<const Bound> resources) {
     KINO_CHECK_EQ(resources.size(), pipeline.bindings.size());
     bound_ = &pipeline;
     vkCmdBindPipeline(buffer_, pipeline.bind_point, pipeline.handle);
@@ -29,8 +29,10 @@ void Commands::bind(const Pipeline& pipeline, std::initializer_list<Bound> resou
             KINO_CHECK(resource.buffer != VK_NULL_HANDLE);
             buffers[i] = {resource.buffer, resource.offset, resource.bytes};
             write.pBufferInfo = &buffers[i];
-        } else if (kind == Binding::words || kind == Binding::word_pairs) {
-            texels[i] = kind == Binding::words ? resource.words : resource.word_pairs;
+        } else if (kind != Binding::texture) {
+            texels[i] = kind == Binding::words        ? resource.words
+                        : kind == Binding::word_pairs ? resource.word_pairs
+                                                      : resource.word_quads;
             KINO_CHECK(texels[i] != VK_NULL_HANDLE);
             write.pTexelBufferView = &texels[i];
         } else {
@@ -120,6 +122,33 @@ void Commands::draw(std::uint32_t vertices, std::uint32_t instances) {
 void Commands::draw_indexed(VkBuffer indices, std::uint32_t count) {
     vkCmdBindIndexBuffer(buffer_, indices, 0, VK_INDEX_TYPE_UINT32);
     vkCmdDrawIndexed(buffer_, count, 1, 0, 0, 0);
+}
+
+void Commands::vertex_buffers(std::span<const VkBuffer> buffers, std::uint32_t first) {
+    constexpr std::array<VkDeviceSize, 8> kFromTheStart{};
+    KINO_CHECK_LE(buffers.size(), kFromTheStart.size());
+    vkCmdBindVertexBuffers(buffer_, first, static_cast<std::uint32_t>(buffers.size()),
+                           buffers.data(), kFromTheStart.data());
+}
+
+void Commands::index_buffer(VkBuffer indices) {
+    vkCmdBindIndexBuffer(buffer_, indices, 0, VK_INDEX_TYPE_UINT32);
+}
+
+void Commands::draw_indexed(const VkDrawIndexedIndirectCommand& call) {
+    vkCmdDrawIndexed(buffer_, call.indexCount, call.instanceCount, call.firstIndex,
+                     call.vertexOffset, call.firstInstance);
+}
+
+void Commands::draw_indexed_indirect(VkBuffer buffer, std::uint32_t draws, VkDeviceSize offset) {
+    vkCmdDrawIndexedIndirect(buffer_, buffer, offset, draws, sizeof(VkDrawIndexedIndirectCommand));
+}
+
+void Commands::draw_indexed_indirect_count(VkBuffer buffer, VkBuffer count,
+                                           std::uint32_t most_draws, VkDeviceSize offset,
+                                           VkDeviceSize count_offset) {
+    vkCmdDrawIndexedIndirectCount(buffer_, buffer, offset, count, count_offset, most_draws,
+                                  sizeof(VkDrawIndexedIndirectCommand));
 }
 
 void Commands::change_layout(VkImage image, VkImageLayout from, VkImageLayout to) {

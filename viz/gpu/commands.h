@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <span>
@@ -15,6 +16,7 @@ struct Bound {
     VkDeviceSize bytes = VK_WHOLE_SIZE;
     VkBufferView words = VK_NULL_HANDLE;       ///< the whole buffer, for Binding::words
     VkBufferView word_pairs = VK_NULL_HANDLE;  ///< and for Binding::word_pairs
+    VkBufferView word_quads = VK_NULL_HANDLE;  ///< and for Binding::word_quads
     VkImageView view = VK_NULL_HANDLE;
     bool linear = false;  ///< filter of a texture
 };
@@ -36,11 +38,15 @@ class Commands {
     [[nodiscard]] Device& device() const { return device_; }
 
     /// Binds `pipeline` with one resource for each of its bindings.
-    void bind(const Pipeline& pipeline, std::initializer_list<Bound> resources);
+    void bind(const Pipeline& pipeline, std::span<const Bound> resources);
+    void bind(const Pipeline& pipeline, std::initializer_list<Bound> resources) {
+        bind(pipeline, std::span(resources.begin(), resources.size()));
+    }
     template <class T>
     void constants(const T& values) {
         push(&values, sizeof(T));
     }
+    void constants(std::span<const std::byte> values) { push(values.data(), values.size()); }
 
     void dispatch(std::uint32_t groups_x, std::uint32_t groups_y = 1);
     void dispatch_indirect(VkBuffer buffer, VkDeviceSize offset);
@@ -54,6 +60,15 @@ class Commands {
     void viewport(VkRect2D rect);
     void draw(std::uint32_t vertices, std::uint32_t instances = 1);
     void draw_indexed(VkBuffer indices, std::uint32_t count);  ///< 32-bit indices
+    /// Buffers of the pipeline's vertex streams from stream `first` on, each from its start.
+    void vertex_buffers(std::span<const VkBuffer> buffers, std::uint32_t first = 0);
+    void index_buffer(VkBuffer indices);  ///< 32-bit indices, for the calls below
+    void draw_indexed(const VkDrawIndexedIndirectCommand& call);
+    /// `draws` VkDrawIndexedIndirectCommand one after the other from `offset` on.
+    void draw_indexed_indirect(VkBuffer buffer, std::uint32_t draws, VkDeviceSize offset = 0);
+    /// As many as the word at `count_offset` of `count` says, at most `most_draws`.
+    void draw_indexed_indirect_count(VkBuffer buffer, VkBuffer count, std::uint32_t most_draws,
+                                     VkDeviceSize offset = 0, VkDeviceSize count_offset = 0);
 
     /// Takes a colour image from any layout to GENERAL, contents lost; to_present() hands a
     /// swapchain image over to the presentation engine, contents kept.

@@ -82,8 +82,10 @@ DeviceInfo describe(VkPhysicalDevice physical) {
     VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
                                            .pNext = &driver};
     vkGetPhysicalDeviceProperties2(physical, &properties);
+    VkPhysicalDeviceVulkan11Features features11{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
     VkPhysicalDeviceVulkan12Features features12{
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &features11};
     VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                        .pNext = &features12};
     vkGetPhysicalDeviceFeatures2(physical, &features);
@@ -93,6 +95,10 @@ DeviceInfo describe(VkPhysicalDevice physical) {
     info.is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     info.has_int64_atomics = features.features.shaderInt64 && features12.shaderBufferInt64Atomics;
     info.has_geometry_shader = features.features.geometryShader;
+    info.has_multi_draw = features.features.multiDrawIndirect &&
+                          features.features.drawIndirectFirstInstance &&
+                          features11.shaderDrawParameters && features12.drawIndirectCount;
+    info.has_statistics = features.features.pipelineStatisticsQuery;
     info.storage_alignment =
         std::max<VkDeviceSize>(16, properties.properties.limits.minStorageBufferOffsetAlignment);
     info.max_texels = properties.properties.limits.maxTexelBufferElements;
@@ -219,9 +225,14 @@ Result<void> Device::create_device(bool presents) {
         .synchronization2 = VK_TRUE,
         .dynamicRendering = VK_TRUE,
         .maintenance4 = VK_TRUE};
+    VkPhysicalDeviceVulkan11Features features11{
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES,
+        .pNext = &features13,
+        .shaderDrawParameters = info_.has_multi_draw};
     VkPhysicalDeviceVulkan12Features features12{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-        .pNext = &features13,
+        .pNext = &features11,
+        .drawIndirectCount = info_.has_multi_draw,
         .shaderBufferInt64Atomics = info_.has_int64_atomics,
         .scalarBlockLayout = VK_TRUE};
     VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
@@ -230,6 +241,9 @@ Result<void> Device::create_device(bool presents) {
     features.features.robustBufferAccess = validating_;
     features.features.geometryShader = info_.has_geometry_shader;
     features.features.shaderInt64 = info_.has_int64_atomics;
+    features.features.multiDrawIndirect = info_.has_multi_draw;
+    features.features.drawIndirectFirstInstance = info_.has_multi_draw;
+    features.features.pipelineStatisticsQuery = info_.has_statistics;
     std::vector<const char*> extensions = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
     if (presents) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     const VkDeviceCreateInfo create{

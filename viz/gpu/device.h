@@ -30,6 +30,10 @@ struct DeviceInfo {
     bool is_cpu = false;
     bool has_int64_atomics = false;
     bool has_geometry_shader = false;
+    /// Many draws by one indirect call, told apart by firstInstance and gl_DrawID, their count
+    /// read from a buffer.
+    bool has_multi_draw = false;
+    bool has_statistics = false;          ///< pipeline statistics queries
     VkDeviceSize storage_alignment = 16;  ///< of storage-buffer offsets, bytes
     VkDeviceSize max_texels = 65536;      ///< of a buffer read as texels
 };

@@ -14,6 +14,13 @@ std::string key_of(const PipelineDesc& desc) {
     std::string key = desc.name;
     for (const VkFormat format : desc.color_formats) key += fmt::format("|{}", int(format));
     key += fmt::format("|{}|{}", int(desc.depth_format), int(desc.blend));
+    key += fmt::format("|{}|{}", int(desc.depth_test), desc.samples);
+    for (const VertexStream& stream : desc.streams) {
+        key += fmt::format("|{}{}", stream.per_instance ? "i" : "v", stream.stride);
+        for (const VertexStream::Attribute& attribute : stream.attributes) {
+            key += fmt::format(",{}@{}", int(attribute.format), attribute.offset);
+        }
+    }
     for (const std::uint32_t constant : desc.constants) key += fmt::format(":{}", constant);
     return key;
 }
@@ -71,6 +78,21 @@ VkPipelineColorBlendAttachmentState blend_state(Blend blend) {
     return state;
 }
 
+VkCompareOp compare_op(DepthTest test) {
+    switch (test) {
+        case DepthTest::nearer_writes:
+            return VK_COMPARE_OP_GREATER;
+        case DepthTest::not_farther_writes:
+        case DepthTest::not_farther:
+            return VK_COMPARE_OP_GREATER_OR_EQUAL;
+        case DepthTest::equal:
+            return VK_COMPARE_OP_EQUAL;
+        case DepthTest::any_writes:
+            break;
+    }
+    return VK_COMPARE_OP_ALWAYS;
+}
+
 Result<VkPipeline> make_graphics(Device& device, const PipelineDesc& desc, const Stages& stages,
                                  VkPipelineLayout layout) {
     // position (2 floats), texture coordinate (2 floats), colour (4 bytes): Dear ImGui's vertex.
@@ -81,12 +103,32 @@ Result<VkPipeline> make_graphics(Device& device, const PipelineDesc& desc, const
         {.location = 1, .binding = 0, .format = VK_FORMAT_R32G32_SFLOAT, .offset = 8},
         {.location = 2, .binding = 0, .format = VK_FORMAT_R8G8B8A8_UNORM, .offset = 16},
     }};
+    KINO_CHECK(!desc.vertex_colors || desc.streams.empty());
+    std::vector<VkVertexInputBindingDescription> streams;
+    std::vector<VkVertexInputAttributeDescription> attributes;
+    if (desc.vertex_colors) {
+        streams = {kVertex};
+        attributes.assign(kAttributes.begin(), kAttributes.end());
+    }
+    for (const VertexStream& stream : desc.streams) {
+        const auto binding = static_cast<std::uint32_t>(streams.size());
+        streams.push_back({.binding = binding,
+                           .stride = stream.stride,
+                           .inputRate = stream.per_instance ? VK_VERTEX_INPUT_RATE_INSTANCE
+                                                            : VK_VERTEX_INPUT_RATE_VERTEX});
+        for (const VertexStream::Attribute& attribute : stream.attributes) {
+            attributes.push_back({.location = static_cast<std::uint32_t>(attributes.size()),
+                                  .binding = binding,
+                                  .format = attribute.format,
+                                  .offset = attribute.offset});
+        }
+    }
     const VkPipelineVertexInputStateCreateInfo input{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-        .vertexBindingDescriptionCount = desc.vertex_colors ? 1u : 0u,
-        .pVertexBindingDescriptions = &kVertex,
-        .vertexAttributeDescriptionCount = desc.vertex_colors ? 3u : 0u,
-        .pVertexAttributeDescriptions = kAttributes.data()};
+        .vertexBindingDescriptionCount = static_cast<std::uint32_t>(streams.size()),
+        .pVertexBindingDescriptions = streams.data(),
+        .vertexAttributeDescriptionCount = static_cast<std::uint32_t>(attributes.size()),
+        .pVertexAttributeDescriptions = attributes.data()};
     const VkPipelineInputAssemblyStateCreateInfo assembly{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
         .topology = desc.topology};
@@ -102,13 +144,14 @@ Result<VkPipeline> make_graphics(Device& device, const PipelineDesc& desc, const
         .lineWidth = 1.0f};
     const VkPipelineMultisampleStateCreateInfo samples{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+        .rasterizationSamples = static_cast<VkSampleCountFlagBits>(desc.samples)};
     const bool has_depth = desc.depth_format != VK_FORMAT_UNDEFINED;
     const VkPipelineDepthStencilStateCreateInfo depth{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = has_depth,
-        .depthWriteEnable = has_depth,
-        .depthCompareOp = VK_COMPARE_OP_GREATER};
+        .depthWriteEnable = has_depth && desc.depth_test != DepthTest::not_farther &&
+                            desc.depth_test != DepthTest::equal,
+        .depthCompareOp = compare_op(desc.depth_test)};
     const std::vector<VkPipelineColorBlendAttachmentState> blends(desc.color_formats.size(),
                                                                   blend_state(desc.blend));
     const VkPipelineColorBlendStateCreateInfo blend{
@@ -157,6 +200,7 @@ VkDescriptorType descriptor_type(Binding binding) {
             return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
         case Binding::words:
         case Binding::word_pairs:
+        case Binding::word_quads:
             break;
     }
     return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;

@@ -21,11 +21,33 @@ enum class Binding : std::uint8_t {
     // usamplerBuffer: on lavapipe one vector gather for all lanes, where a storage buffer costs
     // each lane a branch and a load.
     words,
-    word_pairs
+    word_pairs,
+    word_quads  ///< a uvec4 at a time
 };
 [[nodiscard]] VkDescriptorType descriptor_type(Binding binding);
 
 enum class Blend : std::uint8_t { none, alpha, additive };
+
+/// What happens at the depth target, if there is one. Depths are reversed: nearer is greater.
+enum class DepthTest : std::uint8_t {
+    nearer_writes,       ///< strictly nearer, and writes
+    not_farther_writes,  ///< nearer or equal, and writes
+    not_farther,         ///< nearer or equal, writes nothing: blended surfaces
+    equal,               ///< what a prepass with the same vertex shader left, writes nothing
+    any_writes           ///< always writes: seeds
+};
+
+/// A vertex buffer: attributes of consecutive locations from one buffer, in the order of `streams`.
+struct VertexStream {
+    struct Attribute {
+        VkFormat format = VK_FORMAT_UNDEFINED;
+        std::uint32_t offset = 0;  ///< bytes
+        friend bool operator==(const Attribute&, const Attribute&) = default;
+    };
+    std::uint32_t stride = 0;  ///< bytes
+    bool per_instance = false;
+    std::vector<Attribute> attributes;
+};
 
 /// A pipeline as plain data. `name` says who owns it: "surface/splat"; asking for the same name,
 /// formats and constants again gives the same pipeline.
@@ -41,8 +63,11 @@ struct PipelineDesc {
     VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     std::vector<VkFormat> color_formats;
     VkFormat depth_format = VK_FORMAT_UNDEFINED;  ///< set: reversed-Z test and write
+    DepthTest depth_test = DepthTest::nearer_writes;
+    std::uint32_t samples = 1;  ///< of all targets
     Blend blend = Blend::none;
-    bool vertex_colors = false;  ///< ImGui's vertex layout (position, uv, packed colour)
+    std::vector<VertexStream> streams;  ///< vertex buffers by binding; empty: the shader pulls
+    bool vertex_colors = false;         ///< ImGui's vertex layout (position, uv, packed colour)
 };
 
 struct Pipeline {

@@ -32,7 +32,8 @@ Result<Buffer> Buffer::create(Device& device, const std::string& name, VkDeviceS
                 "binding buffer " + name);
     for (const auto& [view, format, size] :
          {std::tuple(&buffer.words_, VK_FORMAT_R32_UINT, VkDeviceSize{4}),
-          std::tuple(&buffer.word_pairs_, VK_FORMAT_R32G32_UINT, VkDeviceSize{8})}) {
+          std::tuple(&buffer.word_pairs_, VK_FORMAT_R32G32_UINT, VkDeviceSize{8}),
+          std::tuple(&buffer.word_quads_, VK_FORMAT_R32G32B32A32_UINT, VkDeviceSize{16})}) {
         const VkDeviceSize texels = std::min(bytes / size, device.info().max_texels);
         if (texels == 0) continue;
         const VkBufferViewCreateInfo as_texels{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
@@ -54,6 +55,7 @@ Buffer::~Buffer() {
     if (device_ == nullptr) return;
     vkDestroyBufferView(device_->handle(), words_, nullptr);
     vkDestroyBufferView(device_->handle(), word_pairs_, nullptr);
+    vkDestroyBufferView(device_->handle(), word_quads_, nullptr);
     vkDestroyBuffer(device_->handle(), buffer_, nullptr);
     if (memory_ != VK_NULL_HANDLE) device_->release(memory_, allocated_);
 }
@@ -67,6 +69,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
     std::swap(buffer_, other.buffer_);
     std::swap(words_, other.words_);
     std::swap(word_pairs_, other.word_pairs_);
+    std::swap(word_quads_, other.word_quads_);
     std::swap(memory_, other.memory_);
     std::swap(bytes_, other.bytes_);
     std::swap(allocated_, other.allocated_);

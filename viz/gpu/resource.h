@@ -23,10 +23,11 @@ class Buffer {
 
     [[nodiscard]] VkBuffer handle() const { return buffer_; }
     [[nodiscard]] VkDeviceSize bytes() const { return bytes_; }
-    /// The bytes as texels of one or two 32-bit numbers, for Binding::words and ::word_pairs; null
+    /// The bytes as texels of one, two or four 32-bit numbers, for Binding::words and so on; null
     /// where the buffer is too short for one, and cut off at the device's limit of texels.
     [[nodiscard]] VkBufferView words() const { return words_; }
     [[nodiscard]] VkBufferView word_pairs() const { return word_pairs_; }
+    [[nodiscard]] VkBufferView word_quads() const { return word_quads_; }
     [[nodiscard]] bool empty() const { return buffer_ == VK_NULL_HANDLE; }
     /// Null unless the memory is mapped.
     [[nodiscard]] void* mapped() const { return mapped_; }
@@ -47,6 +48,7 @@ class Buffer {
     VkBuffer buffer_ = VK_NULL_HANDLE;
     VkBufferView words_ = VK_NULL_HANDLE;
     VkBufferView word_pairs_ = VK_NULL_HANDLE;
+    VkBufferView word_quads_ = VK_NULL_HANDLE;
     VkDeviceMemory memory_ = VK_NULL_HANDLE;
     VkDeviceSize bytes_ = 0;
     VkDeviceSize allocated_ = 0;

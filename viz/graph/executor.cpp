@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t kUploadBytes = 1 << 20;
 }
 
-bool PassContext::bind(const gpu::PipelineDesc& desc, std::initializer_list<gpu::Bound> resources) {
+bool PassContext::bind(const gpu::PipelineDesc& desc, std::span<const gpu::Bound> resources) {
     if (executor_.error_) return false;
     auto pipeline = executor_.pipelines_.get(desc);
     if (!pipeline) {
@@ -30,7 +30,8 @@ gpu::Bound PassContext::bound(BufferId id) const {
     return {.buffer = buffer->handle(),
             .bytes = graph_.resources()[id.index].buffer.bytes,
             .words = buffer->words(),
-            .word_pairs = buffer->word_pairs()};
+            .word_pairs = buffer->word_pairs(),
+            .word_quads = buffer->word_quads()};
 }
 
 gpu::Bound PassContext::bound(TextureId id, bool linear) const {

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,11 @@ class PassContext {
     [[nodiscard]] gpu::Commands& commands() { return commands_; }
     /// Makes (at first use) and binds a pipeline with one resource for each binding. False if it
     /// cannot be made; the frame then fails with that error and the pass must return.
+    [[nodiscard]] bool bind(const gpu::PipelineDesc& desc, std::span<const gpu::Bound> resources);
     [[nodiscard]] bool bind(const gpu::PipelineDesc& desc,
-                            std::initializer_list<gpu::Bound> resources);
+                            std::initializer_list<gpu::Bound> resources) {
+        return bind(desc, std::span(resources.begin(), resources.size()));
+    }
     [[nodiscard]] gpu::Bound bound(BufferId id) const;
     [[nodiscard]] gpu::Bound bound(TextureId id, bool linear = false) const;
     [[nodiscard]] VkBuffer buffer(BufferId id) const { return bound(id).buffer; }

@@ -14,6 +14,7 @@ enum class Use : std::uint8_t {
     fragment_read,  ///< storage or texture reads in a fragment shader
     indirect_read,
     index_read,
+    attribute_read,  ///< as a vertex buffer
     transfer_read,
     transfer_write,
     color_attachment,
