@@ -119,6 +119,10 @@ void Commands::draw(std::uint32_t vertices, std::uint32_t instances) {
     vkCmdDraw(buffer_, vertices, instances, 0, 0);
 }
 
+void Commands::draw_indirect(VkBuffer buffer, VkDeviceSize offset) {
+    vkCmdDrawIndirect(buffer_, buffer, offset, 1, sizeof(VkDrawIndirectCommand));
+}
+
 void Commands::draw_indexed(VkBuffer indices, std::uint32_t count) {
     vkCmdBindIndexBuffer(buffer_, indices, 0, VK_INDEX_TYPE_UINT32);
     vkCmdDrawIndexed(buffer_, count, 1, 0, 0, 0);

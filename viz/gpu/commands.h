@@ -59,7 +59,8 @@ class Commands {
     /// Limits drawing to a rectangle of the targets; inside begin/end_rendering.
     void viewport(VkRect2D rect);
     void draw(std::uint32_t vertices, std::uint32_t instances = 1);
-    void draw_indexed(VkBuffer indices, std::uint32_t count);  ///< 32-bit indices
+    void draw_indirect(VkBuffer buffer, VkDeviceSize offset = 0);  ///< one VkDrawIndirectCommand
+    void draw_indexed(VkBuffer indices, std::uint32_t count);      ///< 32-bit indices
     /// Buffers of the pipeline's vertex streams from stream `first` on, each from its start.
     void vertex_buffers(std::span<const VkBuffer> buffers, std::uint32_t first = 0);
     void index_buffer(VkBuffer indices);  ///< 32-bit indices, for the calls below
