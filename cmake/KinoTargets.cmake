@@ -92,9 +92,11 @@ function(kino_shaders target)
 endfunction()
 
 # kino_test(sensor LABELS unit DEPENDS kino::sensor): one GoogleTest program from *_test.cpp of the
-# folder, one ctest entry.
+# folder, one ctest entry. Sanitizers slow tests down five times and more, so of a program whose
+# tests say the same thing over and over, a part may be enough there: ASAN and TSAN are GoogleTest
+# filters for those builds (TSAN: where threads meet); the release build runs everything.
 function(kino_test name)
-  cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT;ASAN;TSAN" "LABELS;DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*_test.cpp)
   if(NOT sources)
     return()
@@ -104,7 +106,13 @@ function(kino_test name)
   # GoogleTest's macros are most of the work here, and nothing that is measured.
   target_compile_options(${name}_test PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
   target_link_libraries(${name}_test PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
-  add_test(NAME ${name} COMMAND ${name}_test WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+  set(filter)
+  if(KINO_SANITIZE MATCHES "address" AND ARG_ASAN)
+    set(filter --gtest_filter=${ARG_ASAN})
+  elseif(KINO_SANITIZE MATCHES "thread" AND ARG_TSAN)
+    set(filter --gtest_filter=${ARG_TSAN})
+  endif()
+  add_test(NAME ${name} COMMAND ${name}_test ${filter} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
