@@ -38,6 +38,11 @@ constexpr std::size_t kPinholeConstant = 9;
                                                const DepthPassInputs& inputs,
                                                graph::BufferId indices, SurfaceTargets targets);
 
+/// Fills the targets with "nothing there": a gradient between two packed sRGB colours, and no
+/// depth, normal or id.
+[[nodiscard]] SurfaceTargets add_background(graph::FrameGraph& graph, SurfaceTargets targets,
+                                            std::uint32_t top, std::uint32_t bottom);
+
 /// Declares the wanted targets as colour attachments of `builder`'s pass.
 void write_targets(graph::PassBuilder& builder, SurfaceTargets& targets);
 /// Attachment formats in output order; targets nobody wants are UNDEFINED.

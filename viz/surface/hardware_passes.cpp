@@ -97,6 +97,20 @@ SurfaceTargets add_hardware(graph::FrameGraph& graph, const DepthPassInputs& in,
 
 }  // namespace
 
+SurfaceTargets add_background(graph::FrameGraph& graph, SurfaceTargets targets, std::uint32_t top,
+                              std::uint32_t bottom) {
+    graph.add_pass(
+        "surface/background", "raster", [&](PassBuilder& b) { write_targets(b, targets); },
+        [=](PassContext& c) {
+            const graph::TextureDesc desc = c.desc(targets.albedo);
+            shared::SurfaceParams params{};
+            params.target = {desc.width, desc.height};
+            params.background = {top, bottom};
+            draw_background(c, targets, params);
+        });
+    return targets;
+}
+
 SurfaceTargets add_hardware_points(graph::FrameGraph& graph, const DepthPassInputs& inputs,
                                    SurfaceTargets targets) {
     return add_hardware(graph, inputs, {}, targets);
