@@ -1,0 +1,29 @@
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_ARB_shader_draw_parameters : require
+#include "viz/surface/mesh_vertex.glsl"
+#include "viz/surface/mesh_fetch.glsl"
+#ifdef KINO_ID_ATTRIBUTE
+layout(location = 0) in uint a_row;
+#endif
+
+uint row_of_this_draw() {
+#ifdef KINO_ID_ATTRIBUTE
+    return a_row;
+#else
+    if (kCarrier == KINO_CARRIER_DRAW_ID) {
+        return texelFetch(row_of_draw, int(view.first_row) + gl_DrawIDARB).x;
+    }
+    return uint(gl_BaseInstanceARB);
+#endif
+}
+
+void main() {
+    uint row = row_of_this_draw();
+    uvec4 head = draw_texel(row, 7);
+    PulledVertex v = pull_vertex(head.x, head.y, uint(gl_VertexIndex));
+    place_vertex(v.position, v.normal, v.uv, draw_texel(row, 0), draw_texel(row, 1),
+                 draw_texel(row, 2), draw_texel(row, 3), draw_texel(row, 4), draw_texel(row, 5),
+                 row);
+    // Outside of the clip volume, all of the draw.
+    if (!v.known) gl_Position = vec4(0.0, 0.0, 0.0, -1.0);
+}
