@@ -19,6 +19,15 @@ struct LightListOptions {
     bool two_level = true;  ///< macro tiles first
     /// For blended surfaces: from the near plane to the farthest opaque depth, without cells.
     bool for_blended = false;
+    std::uint32_t cell_count = 32;  ///< 1 .. 32
+    /// Indices there is room for in the whole picture; 0: `capacity` for every tile. With a pool
+    /// tiles are counted, summed and filled, which takes the tests twice.
+    std::uint32_t pool = 0;
+};
+
+/// What was refused before it reached the device.
+struct LightCheck {
+    std::uint32_t dropped = 0;  ///< not finite, or without a radius
 };
 
 /// Which lights reach which tile. Lists are in ascending order of light, the same every run.
@@ -31,23 +40,27 @@ struct LightLists {
     std::uint32_t tiles_x = 0, tiles_y = 0;
     std::uint32_t global_count = 0;  ///< the first lights are in no list and light everything
     std::uint32_t local_count = 0;
+    std::uint32_t width = 0, height = 0;  ///< of the view that they were made for, px
+    bool has_spots = false;               ///< what the lights call for in shaders that walk them
+    bool has_masks = false;
+    LightCheck check;
 };
 
 /// Up to this many local lights the shader walks all of them, and there is no culling.
 constexpr std::size_t kLightsWithoutLists = 8;
 
-/// What was refused before it reached the device.
-struct LightCheck {
-    std::uint32_t dropped = 0;  ///< not finite, or without a radius
-};
-
 /// True where the scene's lights are worth lists.
 [[nodiscard]] bool wants_light_lists(const Scene& scene);
 
-/// Adds the culling passes for the depths in `view_z` (R32F, 0 = nothing; size of the view).
+/// Adds the culling passes for the depths in `view_z` (R32F, 0 = nothing; size of the view). A
+/// scene that does not want lists gets one upload, and `tile_px` 0: all lights are walked.
 [[nodiscard]] LightLists add_light_lists(graph::FrameGraph& graph, const Scene& scene,
                                          const View& view, graph::TextureId view_z,
                                          const LightListOptions& options);
+
+/// Fills the counters that culling leaves alone: sum, longest, histogram. Returns the counters.
+[[nodiscard]] graph::BufferId add_light_statistics(graph::FrameGraph& graph,
+                                                   const LightLists& lists);
 
 /// Shades the surface with lists, materials and (if valid) shadow masks into a new linear RGBA16F
 /// texture of the surface's size. `view` may be a smaller version of the lists' view (framebuffer
@@ -56,7 +69,10 @@ struct LightCheck {
 struct ShadeInputs {
     SurfaceTargets surface;
     LightLists lists;
-    graph::BufferId shadow_masks;  ///< invalid: no light has a shadow
+    /// Four words a pixel, by rows; invalid: no light has a shadow. Bit s: the light in slot s does
+    /// not reach the pixel. Slots count global lights first, then the entries of the tile's list
+    /// (all local lights, where there are no lists); lights from slot 128 on have no shadow.
+    graph::BufferId shadow_masks;
 };
 [[nodiscard]] graph::TextureId add_shade_pass(graph::FrameGraph& graph, const Scene& scene,
                                               const View& view, const ShadeInputs& inputs);

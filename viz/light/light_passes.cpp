@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "viz/light/light_records.h"
 #include "viz/light/light_shared.h"
 
 namespace kino {
@@ -25,20 +26,9 @@ constexpr std::uint32_t kFinal[] = {
 #include "final_frag.inc"
 };
 
-std::vector<shared::LightRecord> lights_in_view(const Scene& scene, const View& view) {
-    const Pose view_from_world = inverse(view.world_from_view);
-    std::vector<shared::LightRecord> records;
-    for (const Light& light : scene.lights) {
-        shared::LightRecord record{};
-        record.kind = light.kind == LightKind::point ? 1 : 0;
-        record.place = light.kind == LightKind::point
-                           ? view_from_world * light.position
-                           : view_from_world.rotation * -glm::normalize(light.direction);
-        record.color = light.color;
-        record.radius = light.radius_m;
-        records.push_back(record);
-    }
-    if (records.empty()) records.emplace_back();  // a binding needs a byte; count stays 0
+/// A binding needs a byte where there is no light; the count stays 0.
+std::vector<shared::LightRecord> bindable(std::vector<shared::LightRecord> records) {
+    if (records.empty()) records.emplace_back();
     return records;
 }
 
@@ -56,11 +46,12 @@ graph::TextureId add_light_pass(graph::FrameGraph& graph, const Scene& scene, co
         "scene, linear", {static_cast<std::uint32_t>(view.width),
                           static_cast<std::uint32_t>(view.height), kSceneLinearFormat});
     const Projection& k = view.projection;
+    const auto found = lights_in_view(scene, view);
     const shared::LightParams params{.k = {k.fx, k.fy, k.cx, k.cy},
                                      .ambient = scene.ambient,
-                                     .count = static_cast<std::uint32_t>(scene.lights.size()),
+                                     .count = static_cast<std::uint32_t>(found.size()),
                                      .mixed = scene.color_mode == ColorMode::mixed ? 1u : 0u};
-    const auto records = lights_in_view(scene, view);
+    const auto records = bindable(found);
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
         desc.name = "light/shade";
@@ -96,11 +87,12 @@ graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scen
                                      const DepthPassInputs& in) {
     const std::uint64_t points = std::uint64_t{in.params.grid.x} * in.params.grid.y;
     graph::BufferId lit = graph.create_buffer("lit colours", {points * 4});
+    const auto found = lights_in_view(scene, view);
     const shared::PointLightParams params{.ambient = scene.ambient,
-                                          .count = static_cast<std::uint32_t>(scene.lights.size()),
+                                          .count = static_cast<std::uint32_t>(found.size()),
                                           .mixed = scene.color_mode == ColorMode::mixed ? 1u : 0u,
                                           .exposure = scene.exposure};
-    const auto records = lights_in_view(scene, view);
+    const auto records = bindable(found);
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
         desc.name = "light/points";
