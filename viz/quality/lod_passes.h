@@ -1,0 +1,20 @@
+#pragma once
+
+#include <array>
+#include <glm/vec4.hpp>
+#include <span>
+
+#include "viz/graph/executor.h"
+#include "viz/scene/view.h"
+
+namespace kino {
+
+/// Width of the tiles that are flat or not, fine pixels.
+constexpr int kLodTilePx = 16;
+
+/// 1/fx, 1/fy, cx, cy.
+[[nodiscard]] glm::vec4 lod_ray_scale(const View& view);
+/// coarse = fine * xy + zw, pixels, centres at integers.
+[[nodiscard]] glm::vec4 lod_coarse_of_fine(const View& fine, const View& coarse);
+
+}  // namespace kino

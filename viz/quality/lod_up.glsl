@@ -1,0 +1,28 @@
+// Where a fine pixel lies among the coarse ones: the 2x2 around it and their tent weights.
+struct Footprint {
+    ivec2 a;  // upper left and
+    ivec2 b;  // lower right coarse pixel, inside the picture
+    vec2 t;   // place between them
+};
+Footprint footprint_of(vec2 fine, vec4 coarse_of_fine, ivec2 last) {
+    vec2 x = fine * coarse_of_fine.xy + coarse_of_fine.zw;
+    vec2 base = floor(x);
+    ivec2 b = ivec2(base);
+    return Footprint(clamp(b, ivec2(0), last), clamp(b + 1, ivec2(0), last), x - base);
+}
+vec4 tent(vec2 t) {
+    vec2 s = 1.0 - t;
+    return vec4(s.x * s.y, t.x * s.y, s.x * t.y, t.x * t.y);
+}
+// Squared distances end here, so that nothing overflows, and hard filters lie beyond.
+const float kFarthest = 1e4;
+const float kOtherObject = 1e4;
+const float kNothing = 2e4;
+
+// Weights of the range filter by the squared distances `e` (in units of their logarithm to base
+// 2). The nearest sample that counts has 1: where all are far, it alone is left.
+vec4 range_weights(vec4 e, vec4 f) {
+    vec4 counting = mix(vec4(1e30), e, greaterThanEqual(f, vec4(1e-3)));
+    float least = min(min(counting.x, counting.y), min(counting.z, counting.w));
+    return f * exp2(min(least - e, 0.0));
+}
