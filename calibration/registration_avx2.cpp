@@ -106,6 +106,12 @@ void project_pixels(const Geometry& g, const float* z, std::size_t first, std::s
         }
         const __m256 u = add(mul(x, all(g.fx)), all(g.cx));
         const __m256 v = add(mul(y, all(g.fy)), all(g.cy));
+        if (out.z) {
+            const __m256 placed = _mm256_and_ps(valid, _mm256_cmp_ps(u, v, _CMP_ORD_Q));
+            _mm256_storeu_ps(out.u + i, u);
+            _mm256_storeu_ps(out.v + i, v);
+            _mm256_storeu_ps(out.z + i, _mm256_and_ps(pz, placed));
+        }
         valid = _mm256_and_ps(valid, _mm256_and_ps(_mm256_cmp_ps(u, before, _CMP_GE_OQ),
                                                    _mm256_cmp_ps(u, right, _CMP_LT_OQ)));
         valid = _mm256_and_ps(valid, _mm256_and_ps(_mm256_cmp_ps(v, before, _CMP_GE_OQ),
@@ -136,8 +142,13 @@ void project(const Geometry& g, const float* z, std::size_t first, std::size_t n
             project_pixels<Distortion::rational>(g, z, first, end, out);
             break;
     }
-    kPortable.project(g, z + end, first + end, n - end,
-                      {out.uv + end, out.cell + end, out.key + end});
+    Projected rest = {out.uv + end, out.cell + end, out.key + end};
+    if (out.z) {
+        rest.u = out.u + end;
+        rest.v = out.v + end;
+        rest.z = out.z + end;
+    }
+    kPortable.project(g, z + end, first + end, n - end, rest);
 }
 
 void occlude(const Occlusion& o, const std::int32_t* cell, const std::uint32_t* key, std::size_t n,

@@ -29,6 +29,10 @@ struct Projected {
     std::uint32_t* uv;   // ColorUv, u in the low half
     std::int32_t* cell;  // colour pixel y * width + x it falls into
     std::uint32_t* key;  // bits of its depth from the colour camera, positive float
+    // The exact place, also outside the picture; or all three null. No place: z is 0.
+    float* u = nullptr;
+    float* v = nullptr;
+    float* z = nullptr;  // metres from the colour camera
 };
 
 /// A pixel is hidden if z - margin - step * z^2 > what the z-buffer holds there.

@@ -58,6 +58,11 @@ void project_pixels(const Geometry& g, const float* z, std::size_t first, std::s
         }
         const float u = x * g.fx + g.cx;
         const float v = y * g.fy + g.cy;
+        if (out.z) {
+            out.u[i] = u;
+            out.v[i] = v;
+            out.z[i] = valid && u == u && v == v ? pz : 0.0f;
+        }
         // NaN fails here too, before any conversion to int.
         valid = valid && u >= -0.5f && u < right && v >= -0.5f && v < bottom;
         out.uv[i] = kInvalid;

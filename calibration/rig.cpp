@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
 #include "calibration/disparity.h"
 #include "calibration/projection.h"
+#include "calibration/registration_holes.h"
 #include "calibration/registration_kernel.h"
+#include "calibration/registration_rays.h"
+#include "calibration/registration_splat.h"
 
 namespace kino {
 namespace {
@@ -35,16 +39,15 @@ RawRange raw_range(const RigParameters& p, double metres_per_unit) {
     return {static_cast<std::uint16_t>(first), static_cast<std::uint16_t>(last)};
 }
 
-Image<RayXy> make_rays(const CameraModel& camera) {
-    const Projection projection(camera);
-    Image<RayXy> rays(camera.width, camera.height);
-    constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-    for (int y = 0; y < camera.height; ++y) {
-        for (int x = 0; x < camera.width; ++x) {
-            const auto ray = projection.unproject({x, y});
-            rays.at(x, y) = ray ? RayXy{static_cast<float>(ray->x), static_cast<float>(ray->y)}
-                                : RayXy{kNone, kNone};
-        }
+Image<RayXy> all_rays(const registration::RayNodes& nodes) {
+    const registration::RayTable table(nodes, glm::dmat3(1));
+    Image<RayXy> rays(nodes.width, nodes.height);
+    std::vector<float> row(3 * static_cast<std::size_t>(nodes.width));
+    const auto width = static_cast<std::size_t>(nodes.width);
+    for (int y = 0; y < nodes.height; ++y) {
+        table.read(static_cast<std::size_t>(y) * width, width, row.data(), row.data() + width,
+                   row.data() + 2 * width);
+        for (std::size_t x = 0; x < width; ++x) rays.row(y)[x] = {row[x], row[width + x]};
     }
     return rays;
 }
@@ -55,8 +58,12 @@ registration::Distortion distortion_kind(const CameraModel& c) {
                               : registration::Distortion::none;
 }
 
+double pixel_ratio(const CameraModel& depth, const CameraModel& color) {
+    return std::max(color.fx / depth.fx, color.fy / depth.fy);
+}
+
 int occlusion_cell_px(const CameraModel& depth, const CameraModel& color) {
-    const double ratio = std::max(color.fx / depth.fx, color.fy / depth.fy);
+    const double ratio = pixel_ratio(depth, color);
     const int largest = std::max(color.width, color.height);
     return static_cast<int>(std::clamp(std::ceil(ratio - 0.1), 1.0, static_cast<double>(largest)));
 }
@@ -82,10 +89,16 @@ struct Rig::State {
     Image<RayXy> rays;
 
     // Only with a colour camera: the depth camera's rays in its axes, and per-frame scratch.
-    std::vector<float> ray_x, ray_y, ray_z;
+    registration::RayTable turned;
     registration::Geometry geometry{};
     std::vector<std::int32_t> cell;
     std::vector<std::uint32_t> key;
+    std::array<std::array<float, kChunk>, 3> chunk_rays{};
+
+    // Only if a reading covers more than the pixel it falls into.
+    std::vector<float> u, v, z_in_color;
+    registration::Splat splat;
+    registration::HoleFiller holes;
 
     // Only if the colour camera is the finer one: the z-buffer in squares of cell_px.
     int cell_px = 1;
@@ -97,30 +110,21 @@ struct Rig::State {
         : parameters(std::move(p)),
           options(o),
           run(o.simd ? &registration::best() : &registration::kPortable),
-          disparity(parameters.disparity, parameters.min_depth_m, parameters.max_depth_m),
-          rays(make_rays(parameters.depth)) {
-        if (parameters.color) prepare_color(*parameters.color);
+          disparity(parameters.disparity, parameters.min_depth_m, parameters.max_depth_m) {
+        const auto nodes = registration::find_rays(parameters.depth, options.ray_table_step);
+        rays = all_rays(nodes);
+        if (parameters.color) prepare_color(*parameters.color, nodes);
     }
 
-    void prepare_color(const CameraModel& color) {
+    void prepare_color(const CameraModel& color, const registration::RayNodes& nodes) {
         const std::size_t n = rays.size();
-        ray_x.resize(n);
-        ray_y.resize(n);
-        ray_z.resize(n);
-        const glm::dmat3 rotation = glm::mat3_cast(parameters.color_from_depth.rotation);
-        for (std::size_t i = 0; i < n; ++i) {
-            const RayXy ray = rays.pixels()[i];
-            const glm::dvec3 turned = rotation * glm::dvec3(ray.x, ray.y, 1);
-            ray_x[i] = static_cast<float>(turned.x);
-            ray_y[i] = static_cast<float>(turned.y);
-            ray_z[i] = static_cast<float>(turned.z);
-        }
+        turned = {nodes, glm::mat3_cast(parameters.color_from_depth.rotation)};
         const auto f = [](double value) { return static_cast<float>(value); };
         const glm::dvec3& t = parameters.color_from_depth.translation;
         const double radius = Projection(color).max_radius();
-        geometry = {.ray_x = ray_x.data(),
-                    .ray_y = ray_y.data(),
-                    .ray_z = ray_z.data(),
+        geometry = {.ray_x = turned.whole(0),
+                    .ray_y = turned.whole(1),
+                    .ray_z = turned.whole(2),
                     .tx = f(t.x),
                     .ty = f(t.y),
                     .tz = f(t.z),
@@ -142,7 +146,19 @@ struct Rig::State {
                     .distortion = distortion_kind(color)};
         cell.resize(n);
         key.resize(n);
-        cell_px = options.occlusion_test ? occlusion_cell_px(parameters.depth, color) : 1;
+        if (options.coverage != Coverage::nearest) {
+            u.resize(n);
+            v.resize(n);
+            z_in_color.resize(n);
+        }
+        const bool splatted = options.coverage == Coverage::splat;
+        if (splatted) {
+            splat = {parameters.depth.width, parameters.depth.height,
+                     (parameters.depth.fx + parameters.depth.fy) / 2,
+                     pixel_ratio(parameters.depth, color)};
+        }
+        const bool in_squares = options.occlusion_test && !splatted;
+        cell_px = in_squares ? occlusion_cell_px(parameters.depth, color) : 1;
         if (cell_px > 1) {
             coarse_width = (color.width + cell_px - 1) / cell_px;
             const int coarse_height = (color.height + cell_px - 1) / cell_px;
@@ -160,6 +176,27 @@ struct Rig::State {
                                static_cast<float>(frame.metres_per_unit), z + begin);
         } else {
             run->decode_table(raw, n, disparity.table().data(), z + begin);
+        }
+    }
+
+    void project(const float* z, std::size_t begin, std::size_t n,
+                 const registration::Projected& out) {
+        if (geometry.ray_x) return run->project(geometry, z, begin, n, out);
+        registration::Geometry from_chunk = geometry;
+        from_chunk.ray_x = chunk_rays[0].data();
+        from_chunk.ray_y = chunk_rays[1].data();
+        from_chunk.ray_z = chunk_rays[2].data();
+        turned.read(begin, n, chunk_rays[0].data(), chunk_rays[1].data(), chunk_rays[2].data());
+        run->project(from_chunk, z, 0, n, out);
+    }
+
+    void draw(const float* depth_m, std::uint32_t* uv, float* depth_in_color_m) {
+        const registration::Places places = {
+            depth_m, u.data(), v.data(), z_in_color.data(), uv, key.data(), depth_in_color_m};
+        if (options.coverage == Coverage::splat) {
+            splat.draw(geometry, turned, places, options.occlusion_test);
+        } else {
+            registration::draw_four_pixels(geometry, places, key.size());
         }
     }
 
@@ -198,6 +235,13 @@ Result<Rig> Rig::create(RigParameters parameters, RigOptions options) {
     if (!(options.occlusion_margin_m >= 0) || !std::isfinite(options.occlusion_margin_m)) {
         return fail("the occlusion margin must be zero or more metres", "occlusion margin");
     }
+    if (const int step = options.ray_table_step; step != 1 && step != 2 && step != 4 && step != 8) {
+        return fail(fmt::format("a ray every {} pixels is not among the choices", step),
+                    "ray table", "1, 2, 4 or 8");
+    }
+    if (options.fill_holes_px < 0) {
+        return fail("holes to fill cannot have fewer than no pixels", "hole size");
+    }
     return Rig(std::make_unique<State>(std::move(parameters), options));
 }
 
@@ -233,15 +277,27 @@ Result<void> Rig::register_depth(const DepthFrame& frame, RegisteredDepth& out) 
     out.depth_in_color_m.fill(0.0f);
     float* z_buffer = out.depth_in_color_m.data();
     auto* uv = reinterpret_cast<std::uint32_t*>(out.uv.data());
+    const bool one_pixel_each = s.options.coverage == Coverage::nearest;
     for (std::size_t begin = 0; begin < pixels; begin += kChunk) {
         const std::size_t n = std::min(kChunk, pixels - begin);
-        const registration::Projected projected = {uv + begin, s.cell.data() + begin,
-                                                   s.key.data() + begin};
+        registration::Projected projected = {uv + begin, s.cell.data() + begin,
+                                             s.key.data() + begin};
+        if (!one_pixel_each) {
+            projected.u = s.u.data() + begin;
+            projected.v = s.v.data() + begin;
+            projected.z = s.z_in_color.data() + begin;
+        }
         s.decode(frame, range, begin, n, z);
-        s.run->project(s.geometry, z + begin, begin, n, projected);
-        scatter_nearest(projected.cell, projected.key, n, z_buffer);
+        s.project(z + begin, begin, n, projected);
+        if (one_pixel_each) scatter_nearest(projected.cell, projected.key, n, z_buffer);
     }
-    if (!s.options.occlusion_test) return {};
+    if (!one_pixel_each) s.draw(z, uv, z_buffer);
+    const auto finish = [&] {
+        if (s.options.fill_holes_px > 0)
+            s.holes.fill(out.depth_in_color_m, s.options.fill_holes_px);
+        return Result<void>{};
+    };
+    if (!s.options.occlusion_test) return finish();
 
     const registration::Occlusion occlusion = {static_cast<float>(s.options.occlusion_margin_m),
                                                2 * quantisation_step_m(1.0f)};
@@ -252,7 +308,7 @@ Result<void> Rig::register_depth(const DepthFrame& frame, RegisteredDepth& out) 
     } else {
         s.run->occlude(occlusion, s.cell.data(), s.key.data(), pixels, z_buffer, uv);
     }
-    return {};
+    return finish();
 }
 
 }  // namespace kino

@@ -31,9 +31,9 @@ struct RegisteredDepth {
     /// Where each depth pixel lies in the colour image; invalid where there is no reading, no
     /// colour camera, the point falls outside, or something nearer hides it from that camera.
     Image<ColorUv> uv;
-    /// The depth frame seen from the colour camera, metres, 0 = nothing there; nearest wins. Each
-    /// depth pixel fills the one colour pixel it falls into. Empty unless the Rig has a colour
-    /// camera.
+    /// The depth frame seen from the colour camera, metres, 0 = nothing there; nearest wins. How
+    /// many colour pixels a depth pixel fills is RigOptions::coverage. Empty unless the Rig has a
+    /// colour camera.
     Image<float> depth_in_color_m;
 };
 
@@ -41,6 +41,13 @@ struct RegisteredDepth {
 struct RayXy {
     float x = 0;
     float y = 0;
+};
+
+/// Which pixels of the colour camera's picture a depth reading is drawn into (docs/calibration.md).
+enum class Coverage : std::uint8_t {
+    nearest,   ///< the one it falls into: holes wherever colour is finer or a surface is slanted
+    bilinear,  ///< the up to four around its place
+    splat      ///< all that the piece of surface behind the depth pixel covers, each at its depth
 };
 
 struct RigOptions {
@@ -52,6 +59,15 @@ struct RigOptions {
     bool occlusion_test = true;
     /// False: the portable code even where the processor has AVX2. Same bits, more time.
     bool simd = true;
+    /// With `splat`, the occlusion test compares with all of the nearer surface, pixel by pixel,
+    /// and colour is also refused where the colour camera sees a surface's other side.
+    Coverage coverage = Coverage::nearest;
+    /// Holes of up to this many pixels of depth_in_color_m that one surface encloses are closed
+    /// (calibration/registration_holes.h). 0: nothing is made up.
+    int fill_holes_px = 0;
+    /// 1, 2, 4 or 8: every how many pixels, each way, a ray is kept; bilinear interpolation gives
+    /// the others, off by 0.05 px at most (calibration/registration_rays.h).
+    int ray_table_step = 1;
 };
 
 /// The one owner of depth-to-colour registration: built once per calibration, then used for every
@@ -60,7 +76,7 @@ struct RigOptions {
 class Rig {
   public:
     /// Fails where validate(parameters) does, for colour wider or higher than ColorUv can say, and
-    /// for an occlusion margin that is negative or not finite.
+    /// for options outside what RigOptions says.
     [[nodiscard]] static Result<Rig> create(RigParameters parameters, RigOptions options = {});
     ~Rig();
     Rig(Rig&&) noexcept;

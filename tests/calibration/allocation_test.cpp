@@ -32,12 +32,16 @@ namespace {
 
 TEST(Rig, NothingIsAllocatedAfterTheFirstFrame) {
     RigSamples samples(1);
-    for (const int color_scale : {0, 1, 2}) {
+    for (const int color_scale : {0, 1, 2, 3}) {
         RigParameters parameters = samples.rig(160, 120);
         if (color_scale == 0) parameters.color.reset();
-        if (color_scale == 2) parameters.color = samples.camera(320, 240);
+        if (color_scale >= 2) parameters.color = samples.camera(320, 240);
         const Image<Rgba8> color(160 * color_scale, 120 * color_scale);
-        Rig rig = Rig::create(parameters).value();
+        RigOptions options;
+        if (color_scale == 3) {
+            options = {.coverage = Coverage::splat, .fill_holes_px = 100, .ray_table_step = 8};
+        }
+        Rig rig = Rig::create(parameters, options).value();
         RegisteredDepth out;
         Image<glm::vec3> points;
         Image<Rgba8> in_depth;

@@ -67,7 +67,10 @@ Registration register_depth(const RigParameters& rig, const Image<glm::dvec2>& d
 
     Registration out{Image<double>(width, height, 0),
                      Image<glm::dvec2>(width, height, glm::dvec2(kNaN)),
-                     Image<double>(width, height, 0), Image<std::uint8_t>(width, height, 0),
+                     Image<double>(width, height, 0),
+                     Image<glm::dvec2>(width, height, glm::dvec2(kNaN)),
+                     Image<double>(width, height, 0),
+                     Image<std::uint8_t>(width, height, 0),
                      Image<double>(color.width, color.height, 0)};
     Image<double> squares(color.width / square + 1, color.height / square + 1, 0);
     for (int y = 0; y < height; ++y) {
@@ -80,6 +83,8 @@ Registration register_depth(const RigParameters& rig, const Image<glm::dvec2>& d
                                     rig.color_from_depth.translation;
             const auto uv = project(color, limit, seen);
             if (!uv) continue;
+            out.place.at(x, y) = *uv;
+            out.place_z.at(x, y) = seen.z;
             const double column = std::nearbyint(uv->x);
             const double row = std::nearbyint(uv->y);
             if (!(uv->x >= -0.5 && uv->x < color.width - 0.5)) continue;
