@@ -141,7 +141,14 @@ Result<LightRig::Drawn> LightRig::draw(const Scene& scene, const View& view,
                                  .normal = imported("normal", normal_),
                                  .object = imported("object", object_)};
     Drawn drawn;
-    drawn.lists = add_light_lists(graph, scene, view, surface.view_z, options.lists);
+    TextureId lists_z = surface.view_z;
+    if (options.lists_z != nullptr) {
+        const Image<float>& z = *options.lists_z;
+        KINO_TRY(upload(lists_z_, "list depth", kViewZFormat, z.width(), z.height(), z.data(),
+                        z.size() * 4));
+        lists_z = imported("list depth", lists_z_);
+    }
+    drawn.lists = add_light_lists(graph, scene, view, lists_z, options.lists);
     LightLists& lists = drawn.lists;
     if (lists.tile_px != 0) {
         if (options.statistics) lists.counters = add_light_statistics(graph, lists);

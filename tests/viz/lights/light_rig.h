@@ -38,7 +38,10 @@ class LightRig {
         std::function<graph::TextureId(graph::FrameGraph&, const LightLists&,
                                        const SurfaceTargets&)>
             instead{};
-        std::optional<View> shading_view{};  ///< a coarser picture of the same view
+        /// A coarser picture of the same view, which the surface is of; the lists are then made of
+        /// `lists_z`.
+        std::optional<View> shading_view{};
+        const Image<float>* lists_z = nullptr;
     };
     struct Drawn {
         LightLists lists;
@@ -66,7 +69,7 @@ class LightRig {
     gpu::Device& device_;
     gpu::Pipelines pipelines_;
     graph::Executor executor_;
-    gpu::Texture albedo_, view_z_, normal_, object_;
+    gpu::Texture albedo_, view_z_, normal_, object_, lists_z_;
     std::array<gpu::Buffer, 5> readback_;
     gpu::Buffer masks_;
 };

@@ -191,7 +191,10 @@ std::vector<LitScene> adversarial_lit_scenes(int width, int height) {
         }
     });
     add("thousands in one tile", [](LitScene& lit, Random& random) {
-        const dvec3 at = lit.view.world_from_view * dvec3(0.05, 0.05, 6);
+        lit.surface = surface_of(lit.solids, lit.view);
+        const int x = lit.view.width / 2;
+        const int y = lit.view.height / 2;
+        const dvec3 at = reference::world_point(lit.view, x, y, lit.surface.view_z_m.at(x, y));
         for (int i = 0; i < 2000; ++i) {
             lit.scene.lights.push_back(point_light(at + random_in(random, dvec3(0.02)), 0.08));
         }
