@@ -2,11 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cstdlib>
 #include <exception>
 #include <optional>
 #include <string>
 
 #include "apps/calibrate/board_depth.h"
+#include "apps/calibrate/guide_window.h"
+#include "apps/calibrate/guided_capture.h"
 #include "apps/calibrate/outputs.h"
 #include "apps/calibrate/session_check.h"
 #include "apps/calibrate/session_shots.h"
@@ -38,11 +41,22 @@ struct Options {
     bool squared = false;
     bool json = false;
     int views = 30;
+    std::optional<std::int64_t> frames;
+    std::optional<double> seconds;
+    bool no_window = false;
     Outputs outputs;
 };
 
 void say(std::string_view line) {
     fmt::print(stderr, "{}\n", line);
+}
+
+bool has_display() {
+    const auto is_set = [](const char* name) {
+        const char* value = std::getenv(name);
+        return value != nullptr && *value != 0;
+    };
+    return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
 Result<Shots> gather(const Options& options, const Board& board, std::vector<ViewDepth>& depth,
@@ -55,19 +69,36 @@ Result<Shots> gather(const Options& options, const Board& board, std::vector<Vie
         KINO_ASSIGN(const PictureSet set, picture_pairs_in(options.pairs, options.names));
         return shots_of_pictures(set, board, notes, say);
     }
-    std::string uri = options.session.empty() ? options.uri : options.session;
+    if (!options.session.empty()) {
+        return shots_of_session(options.session, board, {.views = options.views}, depth, notes,
+                                say);
+    }
+    std::string uri = options.uri;
     if (uri.empty()) {
         KINO_ASSIGN(uri, first_device());
     }
-    return shots_of_session(uri, board, {.views = options.views}, depth, notes, say);
+    GuidedCaptureOptions how;
+    how.guide.views = options.views;
+    if (options.frames) how.frames = *options.frames;
+    if (options.seconds) how.duration = static_cast<TimeNs>(*options.seconds * kNsPerSecond);
+    // The window is gone before the solve begins.
+    if (!options.no_window && has_display()) {
+        auto window = GuideWindow::open(board);
+        if (window) return guided_shots(uri, board, how, **window, depth, notes);
+        say("no window: " + window.error().to_string());
+    }
+    GuideLinesScreen lines(say);
+    return guided_shots(uri, board, how, lines, depth, notes);
 }
 
 // What a session knows besides its cameras: serial, range, disparity.
 RigParameters base_rig(const Options& options) {
     RigParameters rig;
-    if (!options.session.empty()) {
-        if (const auto source = open_source(options.session)) {
+    const std::string& uri = options.session.empty() ? options.uri : options.session;
+    if (!uri.empty()) {
+        if (const auto source = open_source(uri)) {
             if (auto known = (*source)->calibration()) rig = std::move(*known);
+            if (rig.serial.empty()) rig.serial = (*source)->info().serial;
         }
     }
     if (!options.serial.empty()) rig.serial = options.serial;
@@ -158,7 +189,9 @@ void add_options(CLI::App& app, Options& o) {
                                  "name (infrared01 and color01, left01 and right01)");
     app.add_option("--names", o.names, "what the pairs' names begin with: first,second");
     auto* session = app.add_option("--session", o.session, "session with the board in it");
-    auto* uri = app.add_option("uri", o.uri, "device; without any of these, the first one found");
+    auto* uri = app.add_option("uri", o.uri,
+                               "device, or a recording played as one, for a guided capture; "
+                               "without any of these, the first device found");
     images->excludes(pairs)->excludes(session)->excludes(uri);
     pairs->excludes(session)->excludes(uri);
     session->excludes(uri);
@@ -172,6 +205,11 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("--views", o.views, "how many views to take from a session or device")
         ->check(CLI::Range(3, 200))
         ->capture_default_str();
+    app.add_option("--frames", o.frames, "guided capture: look at no more frames than these")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--seconds", o.seconds, "guided capture: end after this time")
+        ->check(CLI::PositiveNumber);
+    app.add_flag("--no-window", o.no_window, "guided capture in lines of text");
     app.add_option("--depth-shift", o.depth_shift,
                    "x y: px from the depth image to the infrared one (Kinect v1: 4.8 3.9)");
     app.add_option("--serial", o.serial, "serial number to write into the result");

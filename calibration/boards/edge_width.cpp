@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace kino {
 namespace {
+
+constexpr double kBlurredTimes = 2.5;
+constexpr double kBlurredPx = 5;
+constexpr double kBlurredSquares = 0.4;
 
 double sample(const GreyPicture& picture, const glm::dvec2& p) {
     const double x = std::clamp(p.x, 0.0, picture.width() - 1.001);
@@ -71,6 +76,24 @@ void measure_edges(const GreyPicture& picture, const Board& board, BoardSighting
     }
     sighting.square_px = median(lengths);
     sighting.edge_width_px = median(widths);
+}
+
+double blur_limit_px(double usual_px, double square_px) {
+    return std::min(std::max(kBlurredPx, kBlurredTimes * usual_px), kBlurredSquares * square_px);
+}
+
+double mean_motion_px(const BoardSighting& a, const BoardSighting& b) {
+    double sum = 0;
+    double count = 0;
+    auto other = b.corners.begin();
+    for (const SeenCorner& corner : a.corners) {
+        while (other != b.corners.end() && other->id < corner.id) ++other;
+        if (other == b.corners.end()) break;
+        if (other->id != corner.id) continue;
+        sum += glm::distance(corner.px, other->px);
+        ++count;
+    }
+    return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace kino

@@ -5,15 +5,9 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "calibration/boards/edge_width.h"
 
 namespace kino {
-namespace {
-
-constexpr double kBlurredTimes = 2.5;
-constexpr double kBlurredPx = 5;
-constexpr double kBlurredSquares = 0.4;
-
-}  // namespace
 
 Gathering::Gathering(Board board, std::vector<std::string> cameras)
     : board_(board), cameras_(std::move(cameras)) {}
@@ -83,9 +77,7 @@ Result<Shots> Gathering::shots(std::vector<std::string>& notes) const {
                 notes.push_back(where + ": no board is seen");
                 continue;
             }
-            const double limit = std::min(std::max(kBlurredPx, kBlurredTimes * median),
-                                          kBlurredSquares * board->square_px);
-            if (board->edge_width_px > limit) {
+            if (board->edge_width_px > blur_limit_px(median, board->square_px)) {
                 notes.push_back(fmt::format(
                     "{}: blurred (edges {:.1f} px wide, {:.1f} px in the median view); left out",
                     where, board->edge_width_px, median));

@@ -15,7 +15,6 @@ constexpr double kLeastSpread = 1.5;
 constexpr double kDropSigmas = 4;
 constexpr std::size_t kLeastFitSamples = 100;
 constexpr std::size_t kLeastInCell = 50;
-constexpr double kFarthest_m = 100;
 
 struct Line {
     double offset = 0;
@@ -97,36 +96,8 @@ Result<DisparityFit> fit_disparity(const std::vector<DepthSample>& samples,
     return out;
 }
 
-double DepthBias::at(double x, double y) const {
-    const double u = std::clamp((x + 0.5) / width * columns - 0.5, 0.0, columns - 1.0);
-    const double v = std::clamp((y + 0.5) / height * rows - 0.5, 0.0, rows - 1.0);
-    const int left = std::min(static_cast<int>(u), std::max(0, columns - 2));
-    const int top = std::min(static_cast<int>(v), std::max(0, rows - 2));
-    const auto cell = [&](int c, int r) {
-        return static_cast<double>(per_m[static_cast<std::size_t>(std::min(r, rows - 1) * columns +
-                                                                  std::min(c, columns - 1))]);
-    };
-    const double fu = u - left;
-    const double fv = v - top;
-    return (cell(left, top) * (1 - fu) + cell(left + 1, top) * fu) * (1 - fv) +
-           (cell(left, top + 1) * (1 - fu) + cell(left + 1, top + 1) * fu) * fv;
-}
-
-void DepthBias::correct(Image<float>& depth_m) const {
-    KINO_CHECK_EQ(depth_m.width(), width);
-    KINO_CHECK_EQ(depth_m.height(), height);
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            float& z = depth_m.at(x, y);
-            if (!(z > 0)) continue;
-            const double corrected = 1 / (1 / static_cast<double>(z) - at(x, y));
-            z = corrected > 0 && corrected < kFarthest_m ? static_cast<float>(corrected) : 0;
-        }
-    }
-}
-
-Result<DepthBias> fit_bias(const std::vector<DepthSample>& samples, int width, int height,
-                           int columns, int rows) {
+Result<BiasFit> fit_bias(const std::vector<DepthSample>& samples, int width, int height,
+                         int columns, int rows) {
     KINO_CHECK(width > 0 && height > 0 && columns > 0 && rows > 0);
     const auto cells = static_cast<std::size_t>(columns * rows);
     std::vector<std::vector<float>> found(cells);
@@ -136,7 +107,9 @@ Result<DepthBias> fit_bias(const std::vector<DepthSample>& samples, int width, i
         found[static_cast<std::size_t>(r * columns + c)].push_back(
             static_cast<float>(1 / s.measured - 1 / s.true_m));
     }
-    DepthBias out{width, height, columns, rows, std::vector<float>(cells, 0)};
+    BiasFit fit;
+    DepthBias& out = fit.bias;
+    out = {width, height, columns, rows, std::vector<float>(cells, 0)};
     std::vector<bool> known(cells, false);
     for (std::size_t i = 0; i < cells; ++i) {
         if (found[i].size() < kLeastInCell) continue;
@@ -149,6 +122,8 @@ Result<DepthBias> fit_bias(const std::vector<DepthSample>& samples, int width, i
         return fail("no part of the picture has enough depth on boards", "depth bias",
                     "bring the board to all parts of the picture");
     }
+    fit.seen_share = static_cast<double>(std::count(known.begin(), known.end(), true)) /
+                     static_cast<double>(cells);
     while (std::find(known.begin(), known.end(), false) != known.end()) {
         const std::vector<bool> before = known;
         for (int r = 0; r < rows; ++r) {
@@ -173,7 +148,19 @@ Result<DepthBias> fit_bias(const std::vector<DepthSample>& samples, int width, i
             }
         }
     }
-    return out;
+    double before = 0;
+    double after = 0;
+    for (const DepthSample& s : samples) {
+        const double off = 1 / s.measured - 1 / s.true_m;
+        const double rest = off - out.at(static_cast<double>(s.x), static_cast<double>(s.y));
+        before += off * off;
+        after += rest * rest;
+    }
+    // At 1 m a difference of 1/z is one of z.
+    fit.samples = static_cast<int>(samples.size());
+    fit.rms_before_mm = 1000 * std::sqrt(before / fit.samples);
+    fit.rms_after_mm = 1000 * std::sqrt(after / fit.samples);
+    return fit;
 }
 
 }  // namespace kino

@@ -4,7 +4,7 @@
 
 #include "base/camera_model.h"
 #include "base/error.h"
-#include "base/image.h"
+#include "calibration/depth_bias.h"
 #include "calibration/solve/depth_samples.h"
 
 namespace kino {
@@ -25,22 +25,18 @@ struct DisparityFit {
 [[nodiscard]] Result<DisparityFit> fit_disparity(const std::vector<DepthSample>& samples,
                                                  const DisparityParameters& known);
 
-/// What the depth of each part of the picture is off by, as a difference of 1/z, which
-/// triangulation makes constant with distance: 1/z_true = 1/z - bias. Cells over the picture,
-/// bilinear between their middles, so that every pixel has its own.
-struct DepthBias {
-    int width = 0, height = 0;  ///< of the depth image, px
-    int columns = 0, rows = 0;
-    std::vector<float> per_m;  ///< 1/m, row by row; 0 where nothing was seen
-
-    [[nodiscard]] double at(double x, double y) const;
-    /// Metres in place; 0 stays 0, and what would turn negative or beyond 100 m becomes 0.
-    void correct(Image<float>& depth_m) const;
+/// A bias map and what it is worth.
+struct BiasFit {
+    DepthBias bias;
+    double seen_share = 0;     ///< of the cells that had samples of their own
+    double rms_before_mm = 0;  ///< of the samples' depth, as it would be at 1 m
+    double rms_after_mm = 0;   ///< the same, corrected
+    int samples = 0;
 };
 
 /// Medians by cell; cells with fewer than 50 samples are filled from their neighbours, a ring at a
 /// time. `samples` measured in metres. Fails where no cell has enough.
-[[nodiscard]] Result<DepthBias> fit_bias(const std::vector<DepthSample>& samples, int width,
-                                         int height, int columns = 20, int rows = 15);
+[[nodiscard]] Result<BiasFit> fit_bias(const std::vector<DepthSample>& samples, int width,
+                                       int height, int columns = 20, int rows = 15);
 
 }  // namespace kino

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/image.h"
 #include "calibration/rig.h"
 
@@ -23,6 +24,14 @@ struct DepthSample {
                                                         const Image<RayXy>& rays,
                                                         const Pose& depth_from_board,
                                                         const glm::dvec2& far_corner_m);
+
+/// The same from a flat wall that fills most of the picture, whose place nobody knows: the plane
+/// that fits best takes the part. In 1/z a plane is a + b x + c y over the rays, so that a bias
+/// which varies like this over the picture stays with the plane: a wall shows the rest. Pixels more
+/// than four deviations or 5 % of 1/z off are left out. Fails where less than half of the picture
+/// lies on one plane.
+[[nodiscard]] Result<std::vector<DepthSample>> samples_on_wall(const Image<float>& depth_m,
+                                                               const Image<RayXy>& rays);
 
 /// Median of measured over true depth, both metres: what the board's stated size must be multiplied
 /// with to agree with the depth. None for fewer than 100 samples.

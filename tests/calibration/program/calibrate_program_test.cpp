@@ -1,18 +1,10 @@
 #include <gmock/gmock.h>
-#include <sys/wait.h>
 
-#include <cmath>
-#include <cstdlib>
-#include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-
-#include "calibration/disparity.h"
+#include "board_session.h"
 #include "calibration/files/camera_text.h"
 #include "sensor/file_bytes.h"
 #include "sensor/png_io.h"
 #include "sensor/rig_json.h"
-#include "sensor/session/recorder.h"
-#include "tests/calibration/boards/drawn_board.h"
 #include "tests/support/temp_dir.h"
 
 namespace kino {
@@ -21,41 +13,15 @@ namespace {
 using test::TempDir;
 using testing::HasSubstr;
 
-struct Ran {
-    int exit_code = -1;
-    std::string out;
-    std::string err;
-};
+using test::kPlaces;
+using test::Ran;
 
 Ran run(const std::string& arguments, const TempDir& folder) {
-    const std::string out = folder / "stdout";
-    const std::string err = folder / "stderr";
-    const int status = std::system(("XDG_CONFIG_HOME=" + folder.path().string() +
-                                    " " KINO_CALIBRATE " " + arguments + " >" + out + " 2>" + err)
-                                       .c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, test::read_bytes(out),
-            test::read_bytes(err)};
+    return test::run_calibrate(arguments, folder);
 }
-
-CameraModel camera() {
-    return {
-        .width = 320, .height = 240, .fx = 290, .fy = 291, .cx = 157.3, .cy = 121.9, .k1 = -0.08};
-}
-
-const Board kBoard;  // chess:9x6:25
-
-Pose held(int i) {
-    const double around = 2.4 * i;
-    const glm::dquat rotation =
-        glm::angleAxis(0.5, glm::dvec3(std::cos(around), std::sin(around), 0)) *
-        glm::angleAxis(0.1 * (i % 3), glm::dvec3(0, 0, 1));
-    const glm::dvec3 place(0.06 * (i % 3 - 1), 0.045 * (i / 3 - 1), 0.36 + 0.02 * (i % 2));
-    return {glm::normalize(rotation), place - rotation * glm::dvec3(0.1, 0.0625, 0)};
-}
-constexpr int kPlaces = 9;
 
 GreyPicture picture(int i) {
-    return test::draw_chessboard(camera(), kBoard, held(i), static_cast<std::uint64_t>(i));
+    return test::picture_of(test::held(i), static_cast<std::uint64_t>(i));
 }
 
 Image<Rgba8> colored(const GreyPicture& grey) {
@@ -68,9 +34,10 @@ Image<Rgba8> colored(const GreyPicture& grey) {
 }
 
 void expect_camera(const CameraModel& found) {
-    EXPECT_NEAR(found.fx, camera().fx, 0.01 * camera().fx);
-    EXPECT_NEAR(found.cx, camera().cx, 3);
-    EXPECT_NEAR(found.cy, camera().cy, 3);
+    const CameraModel truth = test::board_camera();
+    EXPECT_NEAR(found.fx, truth.fx, 0.01 * truth.fx);
+    EXPECT_NEAR(found.cx, truth.cx, 3);
+    EXPECT_NEAR(found.cy, truth.cy, 3);
 }
 
 TEST(CalibrateProgram, PicturesToEveryFile) {
@@ -101,67 +68,15 @@ TEST(CalibrateProgram, PicturesToEveryFile) {
     EXPECT_THAT(text("report/report.json"), HasSubstr("\"kinoscope_calibration_report\": 1"));
 }
 
-// Raw readings of the board's plane, as if everything were `scale` times as far.
-Image<std::uint16_t> disparity_of(const Pose& pose, double scale) {
-    const Disparity device;
-    const Projection projection(camera());
-    const glm::dvec3 normal = pose.rotation * glm::dvec3(0, 0, 1);
-    Image<std::uint16_t> out(320, 240, Disparity::kNoReading);
-    for (int y = 0; y < out.height(); ++y) {
-        for (int x = 0; x < out.width(); ++x) {
-            const glm::dvec3 ray(*projection.unproject({x, y}), 1);
-            const double z = glm::dot(normal, pose.translation) / glm::dot(normal, ray);
-            if (z > 0) out.at(x, y) = device.raw(scale * z);
-        }
-    }
-    return out;
-}
-
 // Infrared and raw disparity in one session: the board stands still for some frames in each place.
 // Its squares are larger than stated.
 TEST(CalibrateProgram, SessionGivesViewsWhereTheBoardHoldsStillAndItsDepthTheSquares) {
     const TempDir temp;
-    RigParameters rig = default_kinect1_rig(320, 240);
-    rig.color.reset();
-    rig.serial = "B7";
     const std::string file = temp / "board.mkv";
-    {
-        SourceInfo info;
-        info.name = "drawn";
-        info.serial = rig.serial;
-        info.streams = {{{0, StreamKind::depth}, 320, 240, 30, "disparity"},
-                        {{0, StreamKind::infrared}, 320, 240, 30, "grey"}};
-        auto recorder = Recorder::create(file, info, rig, {});
-        ASSERT_TRUE(recorder) << recorder.error().to_string();
-        std::int64_t index = 0;
-        for (int i = 0; i < kPlaces; ++i) {
-            const GreyPicture grey = picture(i);
-            const auto infrared = std::make_shared<InfraredFrame>();
-            infrared->raw = Image<std::uint16_t>(320, 240);
-            for (std::size_t k = 0; k < grey.size(); ++k) {
-                infrared->raw.pixels()[k] = static_cast<std::uint16_t>(grey.pixels()[k] * 4);
-            }
-            const Image<std::uint16_t> readings = disparity_of(held(i), 1.2);
-            for (int repeat = 0; repeat < 3; ++repeat, ++index) {
-                FrameSet set;
-                set.index = index;
-                set.time = index * 33 * kNsPerMs;
-                const auto put_header = [&](FrameHeader& header) {
-                    header = {.device_time = set.time, .host_time = set.time, .sequence = index};
-                };
-                const auto own = std::make_shared<InfraredFrame>(*infrared);
-                put_header(own->header);
-                set.infrared = own;
-                const auto depth = std::make_shared<DepthFrame>();
-                put_header(depth->header);
-                depth->unit = DepthUnit::kinect_disparity11;
-                depth->raw = readings;
-                set.depth = depth;
-                (*recorder)->put(set);
-            }
-        }
-        ASSERT_TRUE((*recorder)->close());
-    }
+    test::BoardSession session;
+    for (int i = 0; i < kPlaces; ++i) session.stands.push_back({test::held(i), 3});
+    session.reading = [](int, int, double z) { return 1.2 * z; };
+    ASSERT_TRUE(test::write_board_session(file, test::board_session_rig("B7"), session));
     const Ran ran = run(
         "--session " + file + " --model brown4 --keep --out " + (temp / "rig.json").string(), temp);
     ASSERT_EQ(ran.exit_code, 0) << ran.err;
