@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
+#include <limits>
 #include <span>
 
 #include "sensor/json_cursor.h"
@@ -35,6 +36,50 @@ const K4aMode* mode_of(std::span<const K4aMode> modes, int width, int height) {
         if (mode.width == width && mode.height == height) return &mode;
     }
     return nullptr;
+}
+
+// A file's number is a share of the calibrated picture. Rounded once, so that reading what
+// to_share() wrote gives the same pixels wherever any number of the file would.
+double to_px(double share, int whole_px, double first_px) {
+    return static_cast<double>(static_cast<long double>(share) * whole_px - first_px);
+}
+
+double to_share(double px, int whole_px, double first_px) {
+    const auto near = static_cast<double>((static_cast<long double>(px) + first_px) / whole_px);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double above = near;
+    double below = near;
+    for (int i = 0; i < 4; ++i) {
+        if (to_px(above, whole_px, first_px) == px) return above;
+        if (to_px(below, whole_px, first_px) == px) return below;
+        above = std::nextafter(above, kInfinity);
+        below = std::nextafter(below, -kInfinity);
+    }
+    // The file's numbers lie further apart here than the pixels'.
+    return near;
+}
+
+// The same rotation to 2e-15, such that the matrix made of it leads back to it: its largest part is
+// positive and follows from the others, and those are whole multiples of 2^-48.
+glm::dquat settled(glm::dquat q) {
+    constexpr double kGrid = 281474976710656.0;
+    int largest = 0;
+    for (int i = 1; i < 4; ++i) {
+        if (std::abs(q[i]) > std::abs(q[largest])) largest = i;
+    }
+    if (q[largest] < 0) q = -q;
+    double rest = 1;
+    for (int i = 0; i < 4; ++i) {
+        if (i == largest) continue;
+        q[i] = std::round(q[i] * kGrid) / kGrid;
+        rest -= q[i] * q[i];
+    }
+    q[largest] = std::sqrt(rest);
+    return q;
+}
+
+glm::dquat rotation_of(const glm::dmat3& matrix) {
+    return settled(glm::normalize(glm::quat_cast(matrix)));
 }
 
 struct K4aCamera {
@@ -67,7 +112,7 @@ Result<Pose> read_rt(const JsonCursor& owner) {
         }
     }
     if (!(glm::determinant(matrix) > 0)) return rt.error("Rotation is a mirror");
-    pose.rotation = glm::normalize(glm::quat_cast(matrix));
+    pose.rotation = rotation_of(matrix);
     return pose;
 }
 
@@ -102,10 +147,10 @@ Result<K4aCamera> read_camera(const JsonCursor& object, const K4aMode& mode, boo
     CameraModel& camera = out.camera;
     camera = {.width = mode.width,
               .height = mode.height,
-              .fx = v[2] * mode.binned_width,
-              .fy = v[3] * mode.binned_height,
-              .cx = v[0] * mode.binned_width - mode.crop_x - 0.5,
-              .cy = v[1] * mode.binned_height - mode.crop_y - 0.5,
+              .fx = to_px(v[2], mode.binned_width, 0),
+              .fy = to_px(v[3], mode.binned_height, 0),
+              .cx = to_px(v[0], mode.binned_width, mode.crop_x + 0.5),
+              .cy = to_px(v[1], mode.binned_height, mode.crop_y + 0.5),
               .k1 = v[4],
               .k2 = v[5],
               .k3 = v[6],
@@ -122,19 +167,19 @@ Result<K4aCamera> read_camera(const JsonCursor& object, const K4aMode& mode, boo
 ordered_json camera_to_json(const CameraModel& camera, const K4aMode& mode, const Pose& from_depth,
                             bool color) {
     ordered_json out;
-    out["Intrinsics"] = {
-        {"ModelParameterCount", kParameters},
-        {"ModelParameters",
-         {(camera.cx + 0.5 + mode.crop_x) / mode.binned_width,
-          (camera.cy + 0.5 + mode.crop_y) / mode.binned_height, camera.fx / mode.binned_width,
-          camera.fy / mode.binned_height, camera.k1, camera.k2, camera.k3, camera.k4, camera.k5,
-          camera.k6, 0, 0, camera.p2, camera.p1}},
-        {"ModelType", kBrownConrady}};
+    out["Intrinsics"] = {{"ModelParameterCount", kParameters},
+                         {"ModelParameters",
+                          {to_share(camera.cx, mode.binned_width, mode.crop_x + 0.5),
+                           to_share(camera.cy, mode.binned_height, mode.crop_y + 0.5),
+                           to_share(camera.fx, mode.binned_width, 0),
+                           to_share(camera.fy, mode.binned_height, 0), camera.k1, camera.k2,
+                           camera.k3, camera.k4, camera.k5, camera.k6, 0, 0, camera.p2, camera.p1}},
+                         {"ModelType", kBrownConrady}};
     out["Location"] = color ? "CALIBRATION_CameraLocationPV0" : "CALIBRATION_CameraLocationD0";
     out["Purpose"] =
         color ? "CALIBRATION_CameraPurposePhotoVideo" : "CALIBRATION_CameraPurposeDepth";
     out["MetricRadius"] = color ? 0.0 : 1.74;
-    const glm::dmat3 matrix = glm::mat3_cast(from_depth.rotation);
+    const glm::dmat3 matrix = glm::mat3_cast(settled(from_depth.rotation));
     ordered_json rotation = ordered_json::array();
     for (int i = 0; i < 9; ++i) rotation.push_back(matrix[i % 3][i / 3]);
     const glm::dvec3& t = from_depth.translation;

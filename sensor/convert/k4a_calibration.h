@@ -36,7 +36,10 @@ struct PixelSize {
                                                  std::optional<PixelSize> color,
                                                  const std::string& where);
 
-/// The inverse, for pictures that a mode exists for; no k4a calibration holds others.
+/// The inverse, for pictures that a mode exists for; no k4a calibration holds others. Exact to the
+/// digits written: reading it and writing it again gives the same text. Against `rig` itself the
+/// last digit of a focal length, centre or the rotation may differ, where no number of the file
+/// gives it; for the numbers of a factory's file, which are floats, none does but the rotation's.
 [[nodiscard]] Result<std::string> rig_to_k4a(const RigParameters& rig);
 
 /// accelerometer_from_depth of a calibration.json; none where it is not stated.
