@@ -20,13 +20,6 @@ using graph::PassContext;
 using graph::TextureId;
 using graph::Use;
 
-std::uint32_t pack_srgb(const glm::vec3& color) {
-    const auto byte = [](float v) {
-        return static_cast<std::uint32_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * 255.0f));
-    };
-    return byte(color.r) | byte(color.g) << 8 | byte(color.b) << 16 | 0xFF000000u;
-}
-
 /// Copies a rectangle of a texture to the front of a host-visible buffer.
 void add_readback(FrameGraph& graph, const char* name, TextureId texture, VkOffset2D from,
                   VkExtent2D extent, const gpu::Buffer& into) {
@@ -82,7 +75,12 @@ TextureId add_background_only(FrameGraph& graph, const Scene& scene, TextureId t
 }  // namespace
 
 Renderer::Renderer(gpu::Device& device)
-    : device_(device), pipelines_(device), executor_(device, pipelines_), rasterizer_(device) {}
+    : device_(device),
+      pipelines_(device),
+      executor_(device, pipelines_),
+      rasterizer_(device),
+      meshes_(device),
+      bvh_(device) {}
 
 Renderer::~Renderer() {
     device_.wait_idle();
@@ -105,19 +103,36 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     } else {
         rasterizer_.clear();
     }
+    KINO_TRY(meshes_.upload(scene));
+    if (wants_stage(scene) && wants_ray_shadows(scene)) {
+        KINO_TRY(bvh_.upload(scene));
+    } else {
+        bvh_.clear();
+    }
 
     FrameGraph graph(executor_.history());
     TextureId picture =
         graph.import_texture("picture", target.image, target.view, {width, height, target.format});
     const auto skeleton = skeleton_wanted(scene, view);
-    const bool wanted = live && wants_light(scene);
+    const bool staged = wants_stage(scene);
+    const bool wanted = live && !staged && wants_light(scene);
     const bool lit = wanted && options.light_rate == LightRate::picture_pixel;
     const bool lit_points = wanted && options.light_rate == LightRate::depth_pixel;
-    const bool probing = live && options.probe_px.has_value() && options.probe_px->x >= 0 &&
+    const bool has_surface = live || staged;
+    const bool probing = has_surface && options.probe_px.has_value() && options.probe_px->x >= 0 &&
                          options.probe_px->y >= 0 && options.probe_px->x < view.width &&
                          options.probe_px->y < view.height;
     SurfaceTargets surface;
-    if (live) {
+    if (staged) {
+        const Stage stage = add_stage(graph, scene, view, {rasterizer_, meshes_, bvh_},
+                                      {.raster = options.raster,
+                                       .lists = options.light_lists,
+                                       .shadows = options.ray_shadows,
+                                       .lod = options.lod,
+                                       .read_ids = options.read_surface});
+        surface = stage.surface;
+        picture = add_final_pass(graph, scene, stage.linear, picture);
+    } else if (live) {
         // Without light the surface's colour is the picture, so it is drawn straight into it.
         surface.albedo =
             lit ? graph.create_texture("albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM})
@@ -171,12 +186,12 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
         KINO_TRY(fit(device_, picture_readback_, "picture readback", pixels * 4));
         add_readback(graph, "frame/read picture", picture, {}, target.extent, picture_readback_);
     }
-    if ((options.read_surface || options.read_view_z) && live) {
+    if ((options.read_surface || options.read_view_z) && has_surface) {
         KINO_TRY(fit(device_, view_z_readback_, "view depth readback", pixels * 4));
         add_readback(graph, "frame/read depth", surface.view_z, {}, target.extent,
                      view_z_readback_);
     }
-    if (options.read_surface && live) {
+    if (options.read_surface && has_surface) {
         KINO_TRY(fit(device_, id_readback_, "id readback", pixels * 4));
         add_readback(graph, "frame/read id", surface.id, {}, target.extent, id_readback_);
         KINO_TRY(fit(device_, normal_readback_, "normal readback", pixels * 4));
@@ -200,10 +215,10 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
         }
         for (Rgba8& pixel : result.picture.pixels()) pixel.a = 255;
     }
-    if ((options.read_surface || options.read_view_z) && live) {
+    if ((options.read_surface || options.read_view_z) && has_surface) {
         copy_out(view_z_readback_, view.width, view.height, result.surface.view_z_m);
     }
-    if (options.read_surface && live) {
+    if (options.read_surface && has_surface) {
         copy_out(id_readback_, view.width, view.height, result.surface.id);
         copy_out(normal_readback_, view.width, view.height, result.surface.normal);
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/image.h"
+#include "viz/frame/stage.h"
 #include "viz/gpu/device.h"
 #include "viz/graph/executor.h"
 #include "viz/scene/scene.h"
@@ -33,6 +34,11 @@ enum class LightRate : std::uint8_t {
 struct FrameOptions {
     LightRate light_rate = LightRate::depth_pixel;
     RasterPath raster = RasterPath::compute;
+    /// How lights are assigned to tiles, in scenes that have many.
+    LightListOptions light_lists;
+    RayShadowOptions ray_shadows;
+    /// Set: light is worked out on a coarser surface, where the scene is staged (stage.h).
+    std::optional<FramebufferLodOptions> lod;
     graph::Timing timing = graph::Timing::frame;
     /// Also copies the view depth under this pixel back (FrameStats::depth_at_m).
     std::optional<glm::ivec2> probe_px;
@@ -86,6 +92,10 @@ class Renderer {
     }
     /// Bytes of the live depth copy on the device.
     [[nodiscard]] std::uint64_t live_depth_bytes() const { return rasterizer_.bytes(); }
+    /// Bytes of the meshes that the last scene showed.
+    [[nodiscard]] std::uint64_t mesh_bytes() const { return meshes_.bytes(); }
+    /// Bytes of the tree that rays are cast through.
+    [[nodiscard]] std::uint64_t bvh_bytes() const { return bvh_.bytes(); }
     /// The last frame's graph, for documentation and debugging.
     [[nodiscard]] const std::string& graphviz() const { return graphviz_; }
     void keep_graphviz(bool keep) { keep_graphviz_ = keep; }
@@ -95,6 +105,8 @@ class Renderer {
     gpu::Pipelines pipelines_;
     graph::Executor executor_;
     DepthRasterizer rasterizer_;
+    MeshDrawer meshes_;
+    SceneBvh bvh_;
     gpu::Texture own_target_;
     gpu::Buffer picture_readback_;
     gpu::Buffer view_z_readback_;

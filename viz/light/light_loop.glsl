@@ -2,11 +2,14 @@
 //   uniform usamplerBuffer lights, headers, indices   (word_quads, word_pairs, words)
 // and, with kShadows, uniform usamplerBuffer shadow_masks, and walks the slots
 //   0 .. slots_of(tile) - 1. Which parts are compiled is up to the specialisation constants.
-layout(constant_id = 0) const uint kLists = 1u;    // 0: all local lights
-layout(constant_id = 1) const uint kGlobals = 0u;  // 1: directional lights first
-layout(constant_id = 2) const uint kSpots = 0u;
-layout(constant_id = 3) const uint kMasks = 0u;
-layout(constant_id = 4) const uint kShadows = 0u;
+#ifndef KINO_FIRST_LIGHT_CONSTANT
+#define KINO_FIRST_LIGHT_CONSTANT 0
+#endif
+layout(constant_id = KINO_FIRST_LIGHT_CONSTANT) const uint kLists = 1u;    // 0: all local lights
+layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 1) const uint kGlobals = 0u;  // 1: directional lights first
+layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 2) const uint kSpots = 0u;
+layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 3) const uint kMasks = 0u;
+layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 4) const uint kShadows = 0u;
 
 struct TileList {
     uint first;

@@ -84,7 +84,7 @@ struct MaterialRecord {
     vec3 emission;
     uint lobes;    // others than Lambertian
     vec3 ambient;  // all diffuse lobes together; times the base colour
-    uint reserved;
+    float opacity;
 };
 
 struct LightParams {

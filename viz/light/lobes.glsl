@@ -1,6 +1,6 @@
 // Lobes of a layered material; pi is folded into the lights' unit, as for Lambert. `towards` is
 // n.l, at least 0. Kinds that no material of the scene has are compiled out.
-layout(constant_id = 6) const uint kLobeKinds = 0u;
+layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 6) const uint kLobeKinds = 0u;
 
 struct Lobe {
     vec3 color;

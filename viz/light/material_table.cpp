@@ -16,6 +16,7 @@ glm::vec3 finite(const glm::vec3& v) {
 void flatten(const Material& material, MaterialTable& table) {
     shared::MaterialRecord record{};
     record.emission = finite(material.emission);
+    record.opacity = std::clamp(finite(material.opacity), 0.0f, 1.0f);
     record.first_lobe = static_cast<std::uint32_t>(table.lobes.size());
     glm::vec3 reaching(1);
     for (std::size_t l = 0; l < std::min(material.layers.size(), kMaxLayers); ++l) {

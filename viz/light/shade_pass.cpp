@@ -5,7 +5,7 @@
 #include "viz/graph/executor.h"
 #include "viz/light/light_lists.h"
 #include "viz/light/light_passes.h"
-#include "viz/light/material_table.h"
+#include "viz/light/material_upload.h"
 
 namespace kino {
 namespace {
@@ -24,37 +24,15 @@ constexpr std::uint32_t kShadeMaterials[] = {
 #include "shade_materials_frag.inc"
 };
 
-struct MaterialBuffers {
-    graph::BufferId materials, lobes;
-    std::uint32_t lobe_kinds = 0;
-};
-
-MaterialBuffers add_material_upload(graph::FrameGraph& graph, const Scene& scene) {
-    MaterialTable table = flatten_materials(scene.materials);
-    if (table.lobes.empty()) table.lobes.emplace_back();
-    MaterialBuffers buffers{
-        .materials =
-            graph.create_buffer("materials", {kMaxMaterials * sizeof(shared::MaterialRecord)}),
-        .lobes = graph.create_buffer(
-            "lobes", {kMaxMaterials * kMaxLayers * kMaxLobes * sizeof(shared::LobeRecord)}),
-        .lobe_kinds = table.lobe_kinds};
-    const auto execute = [=](PassContext& c) {
-        // At most 2 and 16 KB: one update each.
-        const VkCommandBuffer commands = c.commands().handle();
-        vkCmdUpdateBuffer(commands, c.buffer(buffers.materials), 0,
-                          table.materials.size() * sizeof(shared::MaterialRecord),
-                          table.materials.data());
-        vkCmdUpdateBuffer(commands, c.buffer(buffers.lobes), 0,
-                          table.lobes.size() * sizeof(shared::LobeRecord), table.lobes.data());
-    };
-    graph.add_pass(
-        "light/materials", "light",
-        [&](PassBuilder& b) {
-            buffers.materials = b.write(buffers.materials, Use::transfer_write);
-            buffers.lobes = b.write(buffers.lobes, Use::transfer_write);
-        },
-        execute);
-    return buffers;
+std::vector<gpu::Binding> bindings_of(bool with_materials) {
+    using gpu::Binding;
+    if (!with_materials) {
+        return {Binding::texture,    Binding::texture, Binding::texture, Binding::word_quads,
+                Binding::word_pairs, Binding::words,   Binding::words};
+    }
+    return {Binding::texture,    Binding::texture,   Binding::texture, Binding::word_quads,
+            Binding::word_pairs, Binding::words,     Binding::words,   Binding::texture,
+            Binding::word_quads, Binding::word_quads};
 }
 
 }  // namespace
@@ -95,15 +73,12 @@ graph::TextureId add_shade_pass(graph::FrameGraph& graph, const Scene& scene, co
                       : (scene.color_mode == ColorMode::relit ? 0u : 1u),
         materials.lobe_kinds};
     const auto execute = [=](PassContext& c) {
-        using gpu::Binding;
         gpu::PipelineDesc desc;
         desc.name = has_materials ? "light/shade materials" : "light/shade live";
         desc.vertex = kListsFullscreen;
         desc.fragment = has_materials ? std::span<const std::uint32_t>(kShadeMaterials)
                                       : std::span<const std::uint32_t>(kShadeLive);
-        desc.bindings = {Binding::texture,    Binding::texture,    Binding::texture,
-                         Binding::word_quads, Binding::word_pairs, Binding::words,
-                         Binding::words};
+        desc.bindings = bindings_of(has_materials);
         desc.push_bytes = sizeof(params);
         desc.constants = constants;
         desc.color_formats = {kSceneLinearFormat};
@@ -116,8 +91,6 @@ graph::TextureId add_shade_pass(graph::FrameGraph& graph, const Scene& scene, co
         c.commands().begin_rendering({width, height}, targets, nullptr);
         bool bound = false;
         if (has_materials) {
-            desc.bindings.insert(desc.bindings.end(),
-                                 {Binding::texture, Binding::word_quads, Binding::word_quads});
             bound = c.bind(
                 desc, {c.bound(surface.albedo), c.bound(surface.view_z), c.bound(surface.normal),
                        lights, headers, indices, masks, c.bound(surface.object),

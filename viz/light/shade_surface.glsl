@@ -1,7 +1,7 @@
 // shade(Surface, TileList): layered materials under all lights of a tile. The includer has declared
 // what viz/light/light_loop.glsl wants, and uniform usamplerBuffer materials, lobes (word_quads).
 #include "viz/light/lobes.glsl"
-layout(constant_id = 5) const uint kColorMode = 2u;  // as ColorMode
+layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 5) const uint kColorMode = 2u;  // as ColorMode
 
 struct Surface {
     vec3 base;    // linear

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+
+#include "viz/accel/scene_bvh.h"
+#include "viz/graph/graph.h"
+#include "viz/light/light_lists.h"
+#include "viz/light/ray_shadows.h"
+#include "viz/quality/framebuffer_lod.h"
+#include "viz/scene/scene.h"
+#include "viz/scene/view.h"
+#include "viz/surface/depth_rasterizer.h"
+#include "viz/surface/mesh_drawer.h"
+
+namespace kino {
+
+/// True where the picture is made surface first, then light: a scene with meshes, or with more
+/// local lights than a shader should walk. Without either, the live frame takes its light before
+/// it is drawn, or none at all, and nothing of this file runs.
+[[nodiscard]] bool wants_stage(const Scene& scene);
+
+struct StageOptions {
+    RasterPath raster = RasterPath::compute;
+    LightListOptions lists;
+    RayShadowOptions shadows;
+    std::optional<FramebufferLodOptions> lod;
+    bool read_ids = false;  ///< the surface gets ids
+};
+
+/// What a staged picture was made from, for readers after it.
+struct Stage {
+    graph::TextureId linear;  ///< scene-linear light, RGBA16F
+    SurfaceTargets surface;
+    graph::TextureId depth;  ///< kDepthFormat; invalid without meshes
+    LightLists lists;
+};
+
+/// What is on the device for a stage, brought up to date for this frame's scene.
+struct StageParts {
+    const DepthRasterizer& live;
+    const MeshDrawer& meshes;
+    SceneBvh& bvh;
+};
+
+/// Adds visibility, surface, light lists, shadows, shading, reconstruction and blended surfaces, as
+/// far as the scene and the options call for them.
+[[nodiscard]] Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
+                              const StageParts& parts, const StageOptions& options);
+
+/// Packed sRGB RGBA8 of a colour in [0, 1].
+[[nodiscard]] std::uint32_t pack_srgb(const glm::vec3& color);
+
+}  // namespace kino
