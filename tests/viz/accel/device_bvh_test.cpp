@@ -6,8 +6,9 @@
 #include <cstring>
 #include <limits>
 
-#include "tests/viz/accel/gpu_frame.h"
+#include "tests/viz/accel/support/gpu_frame.h"
 #include "tests/viz/accel/support/ray_meshes.h"
+#include "tests/viz/accel/support/shadow_stage.h"
 #include "tests/viz/viz_fixture.h"
 #include "viz/accel/scene_bvh.h"
 
@@ -113,23 +114,11 @@ TEST_F(DeviceBvhTest, traces_the_hosts_hits) {
     }
 }
 
-MeshNode node_of(const std::vector<Triangle>& triangles) {
-    auto mesh = std::make_shared<MeshAsset>();
-    for (const Triangle& t : triangles) {
-        for (const glm::vec3& p : {t.a, t.b, t.c}) {
-            mesh->indices.push_back(static_cast<std::uint32_t>(mesh->positions.size()));
-            mesh->positions.push_back(p);
-            mesh->normals.emplace_back(0, 1, 0);
-        }
-    }
-    return {.id = 1, .mesh = mesh};
-}
-
 TEST_F(DeviceBvhTest, a_still_scene_is_built_once_and_a_moving_one_refitted) {
     for (const BuildPlace place : {BuildPlace::host, BuildPlace::device}) {
         Scene scene;
-        scene.meshes = {node_of(test::sphere_mesh({0, 0, 0}, 1, 8, 16)),
-                        node_of(test::sphere_mesh({3, 0, 0}, 1, 8, 16))};
+        scene.meshes = {test::mesh_node(test::sphere_mesh({0, 0, 0}, 1, 8, 16)),
+                        test::mesh_node(test::sphere_mesh({3, 0, 0}, 1, 8, 16))};
         scene.meshes[1].id = 2;
         const SceneBvhOptions options{.place = place};
         SceneBvh bvh(device());
@@ -166,7 +155,8 @@ TEST_F(DeviceBvhTest, a_still_scene_is_built_once_and_a_moving_one_refitted) {
 TEST_F(DeviceBvhTest, a_refitted_tree_that_has_become_poor_is_built_again) {
     Scene scene;
     for (int i = 0; i < 12; ++i) {
-        scene.meshes.push_back(node_of(test::sphere_mesh({2.0f * float(i), 0, 0}, 0.5f, 6, 12)));
+        scene.meshes.push_back(
+            test::mesh_node(test::sphere_mesh({2.0f * float(i), 0, 0}, 0.5f, 6, 12)));
         scene.meshes.back().id = static_cast<std::uint32_t>(i + 1);
     }
     SceneBvh bvh(device());

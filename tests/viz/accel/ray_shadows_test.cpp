@@ -2,268 +2,67 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <glm/geometric.hpp>
 
-#include "tests/viz/accel/gpu_frame.h"
 #include "tests/viz/accel/support/embree_peer.h"
 #include "tests/viz/accel/support/ray_meshes.h"
+#include "tests/viz/accel/support/shadow_stage.h"
 #include "tests/viz/viz_fixture.h"
-#include "viz/light/light_shared.h"
-#include "viz/light/shadow_shared.h"
 
 namespace kino {
 namespace {
 
-using test::Readback;
+using test::ShadowCast;
+using test::ShadowStage;
 
-constexpr int kWidth = 66;  // the last tiles and texels are cut off
-constexpr int kHeight = 47;
 constexpr float kOffset = 5e-4f;
-
-MeshNode shadow_node(const std::vector<Triangle>& triangles) {
-    auto mesh = std::make_shared<MeshAsset>();
-    for (const Triangle& t : triangles) {
-        for (const glm::vec3& p : {t.a, t.b, t.c}) {
-            mesh->indices.push_back(static_cast<std::uint32_t>(mesh->positions.size()));
-            mesh->positions.push_back(p);
-            mesh->normals.emplace_back(0, 1, 0);
-        }
-    }
-    return {.id = 1, .mesh = mesh};
-}
-
-std::int16_t snorm16(float x) {
-    return static_cast<std::int16_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767));
-}
-
-std::array<std::int16_t, 2> octahedral(const glm::vec3& n) {
-    glm::vec2 o = glm::vec2(n) / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
-    if (n.z < 0) {
-        o = {(1 - std::abs(o.y)) * (o.x >= 0 ? 1.0f : -1.0f),
-             (1 - std::abs(o.x)) * (o.y >= 0 ? 1.0f : -1.0f)};
-    }
-    return {snorm16(o.x), snorm16(o.y)};
-}
-
-glm::vec3 from_octahedral(const std::array<std::int16_t, 2>& bits) {
-    const float x = std::max(static_cast<float>(bits[0]) / 32767.0f, -1.0f);
-    const float y = std::max(static_cast<float>(bits[1]) / 32767.0f, -1.0f);
-    glm::vec3 n(x, y, 1 - std::abs(x) - std::abs(y));
-    const float fold = std::max(-n.z, 0.0f);
-    n.x += n.x >= 0 ? -fold : fold;
-    n.y += n.y >= 0 ? -fold : fold;
-    return glm::normalize(n);
-}
-
-/// A room with balls, seen from a corner, and what a rasteriser would have made of it.
-struct Stage {
-    Scene scene;
-    View view;
-    std::vector<float> view_z;
-    std::vector<std::array<std::int16_t, 2>> normals;
-};
-
-Stage make_stage(int lights, bool spots) {
-    Stage stage;
-    const auto triangles = test::room_mesh(7, 10, 31);
-    stage.scene.meshes = {shadow_node(triangles)};
-    // Away from the origin, so that the tree's center matters.
-    const glm::dvec3 at(40, -3, 7);
-    stage.scene.meshes[0].world_from_object[3] = glm::dvec4(at, 1);
-    stage.view = {.width = kWidth, .height = kHeight};
-    stage.view.projection = perspective(1.1, kWidth, kHeight);
-    stage.view.world_from_view =
-        look_at(at + glm::dvec3(2.5, 2.2, 2.1), at + glm::dvec3(-0.5, 0.4, -0.5));
-    test::Random random(32);
-    for (int i = 0; i < lights; ++i) {
-        Light light;
-        light.kind = spots && i % 3 == 1 ? LightKind::spot : LightKind::point;
-        light.position =
-            at + glm::dvec3(random.real(-2.8, 2.8), random.real(0.3, 2.9), random.real(-2.3, 2.3));
-        light.direction = {random.real(-1, 1), -1, random.real(-1, 1)};
-        light.outer_rad = 0.7f;
-        light.radius_m = static_cast<float>(random.real(1.5, 4));
-        light.shadow = i % 4 == 3 ? LightShadow::none : LightShadow::raycast;
-        stage.scene.lights.push_back(light);
-    }
-    stage.scene.lights.push_back({.kind = LightKind::directional,
-                                  .direction = {0.3, -1, 0.2},
-                                  .shadow = LightShadow::raycast});
-    const Bvh bvh = build_bvh(triangles);
-    const glm::dmat3 rotation = glm::mat3_cast(stage.view.world_from_view.rotation);
-    for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-            const Projection& k = stage.view.projection;
-            const glm::dvec3 ray((x - k.cx) / k.fx, (y - k.cy) / k.fy, 1);
-            const RayHit hit =
-                closest_hit(bvh, {.origin = stage.view.world_from_view.translation - at,
-                                  .direction = rotation * ray});
-            // A hole, and one pixel of a texel alone.
-            const bool hole = x < 9 && y < 9 && !(x == 5 && y == 5);
-            stage.view_z.push_back(hole ? 0.0f : hit.t);
-            const Triangle& t = triangles[hit.triangle];
-            glm::dvec3 n = glm::transpose(rotation) *
-                           glm::dvec3(glm::normalize(glm::cross(t.b - t.a, t.c - t.a)));
-            if (glm::dot(n, ray) > 0) n = -n;
-            stage.normals.push_back(octahedral(n));
-        }
-    }
-    return stage;
-}
-
-struct Cast {
-    std::vector<glm::uvec4> masks;
-    shared::ShadowCounters counters{};
-    std::vector<shared::LightRecord> lights;
-    std::vector<glm::uvec2> headers;
-    std::vector<std::uint32_t> indices;
-    LightLists lists;
-};
 
 class RayShadowsTest : public test::VizTest {
   protected:
     RayShadowsTest() : pipelines_(device()), executor_(device(), pipelines_) {}
 
-    Cast cast(const Stage& stage, const RayShadowOptions& options,
-              const SceneBvhOptions& tree = {}) {
-        const VkExtent2D extent{kWidth, kHeight};
-        const auto z = test::make_texture(device(), extent, kViewZFormat, stage.view_z);
-        const auto n = test::make_texture(device(), extent, kNormalFormat, stage.normals);
+    ShadowCast cast(const ShadowStage& stage, const RayShadowOptions& options,
+                    const SceneBvhOptions& tree = {}) {
         SceneBvh bvh(device());
-        if (!bvh.upload(stage.scene, tree)) throw std::runtime_error("no memory for the tree");
-        graph::FrameGraph graph(executor_.history());
-        const ShadowSurface surface{
-            graph.import_texture("z", z.image(), z.view(), {kWidth, kHeight, kViewZFormat}),
-            graph.import_texture("n", n.image(), n.view(), {kWidth, kHeight, kNormalFormat})};
-        Cast found;
-        found.lists =
-            add_light_lists(graph, stage.scene, stage.view, surface.view_z, {.tile_px = 16});
-        const RayShadows shadows = add_ray_shadows(graph, stage.scene, stage.view, surface,
-                                                   found.lists, bvh.add(graph), options);
-        const std::size_t pixels = std::size_t{kWidth} * kHeight;
-        const Readback<glm::uvec4> masks(device(), graph, shadows.masks, pixels);
-        const Readback<shared::ShadowCounters> counters(device(), graph, shadows.counters, 1);
-        const Readback<shared::LightRecord> lights(
-            device(), graph, found.lists.lights,
-            found.lists.global_count + found.lists.local_count);
-        const bool has_lists = found.lists.tile_px != 0;
-        const std::size_t tiles = has_lists ? found.lists.tiles_x * found.lists.tiles_y : 0;
-        std::optional<Readback<glm::uvec2>> headers;
-        std::optional<Readback<std::uint32_t>> indices;
-        if (has_lists) {
-            headers.emplace(device(), graph, found.lists.headers, tiles);
-            indices.emplace(device(), graph, found.lists.indices, tiles * 256);
-        }
-        const auto report = executor_.run(graph, graph::Timing::frame);
-        if (!report) throw std::runtime_error(report.error().to_string());
-        found.masks = masks.values();
-        found.counters = counters.values()[0];
-        found.lights = lights.values();
-        if (has_lists) {
-            found.headers = headers->values();
-            found.indices = indices->values();
-        }
-        return found;
+        EXPECT_TRUE(bvh.upload(stage.scene, tree).has_value());
+        return test::cast_shadows(device(), executor_, stage, bvh, options);
     }
 
     gpu::Pipelines pipelines_;
     graph::Executor executor_;
 };
 
-/// What the processor makes of one pixel: a ray for every light of its list that faces it.
-struct PixelRays {
-    struct Job {
-        std::uint32_t slot;
-        Ray ray;
-    };
-    std::vector<Job> jobs;
-};
-
-PixelRays rays_of(const Stage& stage, const Cast& cast, const glm::dvec3& center, int x, int y) {
-    PixelRays rays;
-    const auto i = static_cast<std::size_t>(y * kWidth + x);
-    const float z = stage.view_z[i];
-    if (!(z > 0)) return rays;
-    const Projection& k = stage.view.projection;
-    const glm::vec2 inverse(1 / k.fx, 1 / k.fy);
-    const glm::vec3 at((static_cast<float>(x) - static_cast<float>(k.cx)) * inverse.x * z,
-                       (static_cast<float>(y) - static_cast<float>(k.cy)) * inverse.y * z, z);
-    const glm::vec3 n = from_octahedral(stage.normals[i]);
-    const bool has_lists = cast.lists.tile_px != 0;
-    const glm::uvec2 header =
-        has_lists ? cast.headers[static_cast<std::size_t>(y / 16) * cast.lists.tiles_x +
-                                 static_cast<std::size_t>(x / 16)]
-                  : glm::uvec2(0, cast.lists.local_count);
-    for (std::uint32_t slot = 0; slot < cast.lists.global_count + header.y && slot < 128; ++slot) {
-        const std::uint32_t entry = slot - cast.lists.global_count;
-        const std::uint32_t light = slot < cast.lists.global_count ? slot
-                                    : has_lists                    ? cast.indices[header.x + entry]
-                                                : cast.lists.global_count + entry;
-        const shared::LightRecord& record = cast.lights[light];
-        const glm::vec3 way = record.kind == 0 ? record.place : record.place - at;
-        const float squared = way.x * way.x + way.y * way.y + way.z * way.z;
-        if (record.casts_shadow == 0) continue;
-        if (!(way.x * n.x + way.y * n.y + way.z * n.z > 0)) continue;
-        if (record.kind != 0 && !(squared < record.radius * record.radius)) continue;
-        if (record.kind == 2 &&
-            !(-(way.x * record.axis.x + way.y * record.axis.y + way.z * record.axis.z) >
-              record.cone_cos * std::sqrt(squared))) {
-            continue;
-        }
-        // The ray itself in double.
-        const Pose& pose = stage.view.world_from_view;
-        const glm::dvec3 place = pose * glm::dvec3(at) - center;
-        const glm::dvec3 normal = pose.rotation * glm::dvec3(n);
-        const double step = double{kOffset} * std::max({std::abs(place.x), std::abs(place.y),
-                                                        std::abs(place.z), double{at.z}});
-        const glm::dvec3 to_light = pose.rotation * glm::dvec3(way);
-        Ray ray{.origin = place + normal * step};
-        ray.direction = record.kind == 0 ? to_light : to_light - normal * step;
-        if (record.kind != 0) {
-            ray.t_max = static_cast<float>(1 - step / glm::length(ray.direction));
-        }
-        rays.jobs.push_back({slot, ray});
-    }
-    return rays;
-}
-
-bool bit_of(const glm::uvec4& mask, std::uint32_t slot) {
-    return ((mask[static_cast<int>(slot / 32)] >> (slot % 32)) & 1u) != 0;
-}
-
 TEST_F(RayShadowsTest, jobs_are_exactly_those_the_processor_counts_and_masks_are_embrees) {
     for (const int lights : {40, 6}) {  // with lists, and without
         SCOPED_TRACE(lights);
-        const Stage stage = make_stage(lights, true);
-        const Cast found = cast(stage, {.half_resolution = false,
-                                        .rays_per_pixel = 128,
-                                        .dispatch = ShadowDispatch::jobs,
-                                        .offset = kOffset});
+        const ShadowStage stage({.lights = lights});
+        const ShadowCast found = cast(stage, {.half_resolution = false,
+                                              .rays_per_pixel = 128,
+                                              .dispatch = ShadowDispatch::jobs,
+                                              .offset = kOffset});
         const TriangleSoup soup = gather_triangles(stage.scene);
         const test::EmbreePeer embree(soup.triangles);
         const auto wide = test::in_double(soup.triangles);
         std::uint32_t jobs = 0;
         std::uint32_t shadowed = 0;
         std::uint32_t differing = 0;
-        for (int y = 0; y < kHeight; ++y) {
-            for (int x = 0; x < kWidth; ++x) {
-                const glm::uvec4& mask = found.masks[static_cast<std::size_t>(y * kWidth + x)];
+        for (int y = 0; y < stage.view.height; ++y) {
+            for (int x = 0; x < stage.view.width; ++x) {
+                const glm::uvec4& mask = found.masks[stage.at(x, y)];
                 std::uint32_t set = 0;
-                for (int k = 0; k < 4; ++k)
+                for (int k = 0; k < 4; ++k) {
                     set += static_cast<std::uint32_t>(std::popcount(mask[k]));
-                for (const auto& job : rays_of(stage, found, soup.center, x, y).jobs) {
+                }
+                for (const auto& [slot, ray] :
+                     test::shadow_rays(stage, found, soup.center, kOffset, x, y)) {
                     ++jobs;
-                    const bool ours = bit_of(mask, job.slot);
+                    const bool ours = test::shadow_bit(mask, slot);
                     set -= ours;
                     shadowed += ours;
-                    if (ours == embree.any_hit(job.ray)) continue;
+                    if (ours == embree.any_hit(ray)) continue;
                     ++differing;
-                    const double edge =
-                        reference::closest_edge(wide, job.ray.origin, job.ray.direction);
-                    EXPECT_LT(edge, 1e-3) << x << ' ' << y << ' ' << job.slot;
+                    EXPECT_LT(reference::closest_edge(wide, ray.origin, ray.direction), 1e-3)
+                        << x << ' ' << y << ' ' << slot;
                 }
                 ASSERT_EQ(set, 0u) << "bits without a ray at " << x << ' ' << y;
             }
@@ -277,18 +76,18 @@ TEST_F(RayShadowsTest, jobs_are_exactly_those_the_processor_counts_and_masks_are
 }
 
 TEST_F(RayShadowsTest, every_dispatch_every_band_and_every_place_of_the_tree_makes_the_same_masks) {
-    const Stage stage = make_stage(60, false);
+    const ShadowStage stage({.lights = 60, .spots = false});
     const RayShadowOptions jobs{
         .half_resolution = false, .rays_per_pixel = 128, .dispatch = ShadowDispatch::jobs};
-    const Cast expected = cast(stage, jobs);
+    const ShadowCast expected = cast(stage, jobs);
     RayShadowOptions bands = jobs;
-    bands.job_room = 3 * kWidth * 128;
+    bands.job_room = 3 * 66 * 128;
     RayShadowOptions pixels = jobs;
     pixels.dispatch = ShadowDispatch::per_pixel;
-    const Cast in_bands = cast(stage, bands);
+    const ShadowCast in_bands = cast(stage, bands);
     EXPECT_EQ(in_bands.masks, expected.masks);
     EXPECT_EQ(in_bands.counters.jobs, expected.counters.jobs);
-    const Cast by_pixels = cast(stage, pixels);
+    const ShadowCast by_pixels = cast(stage, pixels);
     EXPECT_EQ(by_pixels.masks, expected.masks);
     EXPECT_EQ(by_pixels.counters.jobs, expected.counters.jobs);
     EXPECT_EQ(cast(stage, pixels, {.place = BuildPlace::device}).masks, expected.masks);
@@ -296,25 +95,26 @@ TEST_F(RayShadowsTest, every_dispatch_every_band_and_every_place_of_the_tree_mak
 }
 
 TEST_F(RayShadowsTest, a_half_mask_is_the_full_one_at_the_first_covered_pixel) {
-    const Stage stage = make_stage(40, true);
+    const ShadowStage stage({.lights = 40});
     const RayShadowOptions full{.half_resolution = false, .rays_per_pixel = 128};
     RayShadowOptions half = full;
     half.half_resolution = true;
-    const Cast at_full = cast(stage, full);
+    const ShadowCast at_full = cast(stage, full);
     for (const ShadowDispatch dispatch : {ShadowDispatch::per_pixel, ShadowDispatch::jobs}) {
         half.dispatch = dispatch;
-        const Cast at_half = cast(stage, half);
-        const auto at = [&](int x, int y) { return static_cast<std::size_t>(y * kWidth + x); };
-        for (int y = 0; y < kHeight; ++y) {
-            for (int x = 0; x < kWidth; ++x) {
-                std::size_t from = at(x & ~1, y & ~1);
+        const ShadowCast at_half = cast(stage, half);
+        for (int y = 0; y < stage.view.height; ++y) {
+            for (int x = 0; x < stage.view.width; ++x) {
+                std::size_t from = stage.at(x & ~1, y & ~1);
                 for (int i = 3; i >= 0; --i) {
                     const int px = (x & ~1) + (i & 1);
                     const int py = (y & ~1) + (i >> 1);
-                    if (px < kWidth && py < kHeight && stage.view_z[at(px, py)] > 0)
-                        from = at(px, py);
+                    if (px < stage.view.width && py < stage.view.height &&
+                        stage.view_z[stage.at(px, py)] > 0) {
+                        from = stage.at(px, py);
+                    }
                 }
-                ASSERT_EQ(at_half.masks[at(x, y)], at_full.masks[from]) << x << ' ' << y;
+                ASSERT_EQ(at_half.masks[stage.at(x, y)], at_full.masks[from]) << x << ' ' << y;
             }
         }
         EXPECT_LT(at_half.counters.jobs, at_full.counters.jobs * 3 / 10);
@@ -322,13 +122,13 @@ TEST_F(RayShadowsTest, a_half_mask_is_the_full_one_at_the_first_covered_pixel) {
 }
 
 TEST_F(RayShadowsTest, rays_beyond_a_pixels_share_are_counted_and_leave_no_shadow) {
-    const Stage stage = make_stage(60, false);
+    const ShadowStage stage({.lights = 60, .spots = false});
     RayShadowOptions options{.half_resolution = false, .rays_per_pixel = 128};
-    const Cast all = cast(stage, options);
+    const ShadowCast all = cast(stage, options);
     for (const ShadowDispatch dispatch : {ShadowDispatch::per_pixel, ShadowDispatch::jobs}) {
         options.dispatch = dispatch;
         options.rays_per_pixel = 3;
-        const Cast few = cast(stage, options);
+        const ShadowCast few = cast(stage, options);
         EXPECT_GT(few.counters.capped, 0u);
         EXPECT_EQ(few.counters.jobs + few.counters.capped, all.counters.jobs);
         for (std::size_t i = 0; i < all.masks.size(); ++i) {
@@ -338,11 +138,11 @@ TEST_F(RayShadowsTest, rays_beyond_a_pixels_share_are_counted_and_leave_no_shado
 }
 
 TEST_F(RayShadowsTest, nothing_that_casts_shadows_costs_nothing) {
-    Stage stage = make_stage(20, false);
+    ShadowStage stage({.lights = 20});
     const auto passes = [&](bool with_tree) {
         graph::FrameGraph graph(executor_.history());
-        const auto z = graph.create_texture("z", {kWidth, kHeight, kViewZFormat});
-        const auto n = graph.create_texture("n", {kWidth, kHeight, kNormalFormat});
+        const auto z = graph.create_texture("z", {66, 47, kViewZFormat});
+        const auto n = graph.create_texture("n", {66, 47, kNormalFormat});
         const LightLists lists = add_light_lists(graph, stage.scene, stage.view, z, {});
         const std::size_t before = graph.passes().size();
         SceneBvh bvh(device());
