@@ -19,13 +19,7 @@ constexpr float kPartial = 0.6f;  // of the typical area: the centroid is not to
 constexpr float kMovedM = 0.15f;
 constexpr float kStirred = 0.03f;  // of the cells: an arm is about 0.08
 constexpr int kStirs = 3;
-constexpr float kFarM = 0.5f;  // whoever came so far is no part of the room
-constexpr int kManyStirs = 6;
-constexpr float kTallM = 1.3f;  // higher than chairs
-constexpr float kHeadHits = 2;
-constexpr double kOtherSize = 0.8;   // ratio of areas, logarithm: not the same thing
-constexpr float kSteadyHead = 0.7f;  // of the pictures, where nothing moves
-constexpr double kStillHeadS = 0.3;  // a head that shows for so long needs no motion
+constexpr double kOtherSize = 0.8;  // ratio of areas, logarithm: not the same thing
 constexpr double kRecentS = 1.5;
 constexpr float kCoreM = 0.28f;
 constexpr std::size_t kMaxTracks = 12;  // confirmed or not
@@ -99,29 +93,37 @@ std::vector<glm::vec3> PersonTracker::seeds_in(const Blob& blob, TimeNs time) co
         return std::all_of(seeds.begin(), seeds.end(),
                            [&](const glm::vec3& s) { return level_distance(s, at) > distance; });
     };
-    for (const PersonTrack& track : tracks_) {
-        if (track.id == 0 || to_seconds(time - track.seen) > kRecentS) continue;
-        glm::vec3 at = upright_of(track.expected_m(time));
-        if (!free(at, 0.2f) || area_around(blob, at, kCoreM) <= 0.4f * track.core_m2) continue;
-        if (track.head_seen != 0) {  // a head in view says better than the past where he is
-            const glm::vec3 expected = upright_of(track.expected_head_m(time));
-            for (const BlobHead& head : blob.heads) {
-                const glm::vec3 off = head.upright_m - expected;
-                if (std::hypot(off.x, off.z) < 0.2f && std::abs(off.y) < 0.25f) {
-                    at += glm::vec3(off.x, 0, off.z);
-                    break;
-                }
-            }
-        }
-        seeds.push_back(at);
-    }
+    std::vector<glm::vec3> others;
     for (const SecondHead& second : second_heads_) {
         if (second.last != time || second.hits < 4 || to_seconds(time - second.first) < 0.3)
             continue;
         const bool here = std::any_of(blob.heads.begin(), blob.heads.end(), [&](const BlobHead& h) {
             return h.upright_m == second.upright_m;
         });
-        if (here && free(second.upright_m, 0.35f)) seeds.push_back(second.upright_m);
+        if (here) others.push_back(second.upright_m);
+    }
+    for (const PersonTrack& track : tracks_) {
+        if (track.id == 0 || to_seconds(time - track.seen) > kRecentS) continue;
+        glm::vec3 at = upright_of(track.expected_m(time));
+        glm::vec3 off(0);
+        if (track.head_seen != 0) {  // a head in view says better than the past where he is
+            const glm::vec3 expected = upright_of(track.expected_head_m(time));
+            for (const BlobHead& head : blob.heads) {
+                off = head.upright_m - expected;
+                if (std::hypot(off.x, off.z) < 0.2f && std::abs(off.y) < 0.25f) {
+                    // Whoever counted as one with somebody has the middle of both for his place.
+                    if (!others.empty()) at = glm::vec3(head.upright_m.x, at.y, head.upright_m.z);
+                    break;
+                }
+                off = glm::vec3(0);
+            }
+        }
+        if (!free(at, 0.2f) || area_around(blob, at, kCoreM) <= 0.4f * track.core_m2) continue;
+        if (others.empty()) at += glm::vec3(off.x, 0, off.z);
+        seeds.push_back(at);
+    }
+    for (const glm::vec3& other : others) {
+        if (free(other, 0.35f)) seeds.push_back(other);
     }
     return seeds;
 }
@@ -286,11 +288,6 @@ void PersonTracker::sight(PersonTrack& track, Blob blob, TimeNs time) {
     track.blob = std::move(blob);
 }
 
-float PersonTracker::weight(const Blob& blob, const BlobHead& head) const {
-    if (!test_.above_floor(head)) return 0;
-    return blob.known > 0.5f || test_.clear_head(blob, head) ? 1.0f : 0.4f;
-}
-
 void PersonTracker::begin(Blob blob, TimeNs time) {
     PersonTrack track;
     track.at_m = camera_of(blob.centroid_m);
@@ -312,49 +309,6 @@ void PersonTracker::begin(Blob blob, TimeNs time) {
     });
     track.blob = std::move(blob);
     tracks_.push_back(std::move(track));
-}
-
-bool PersonTracker::proven(const PersonTrack& track) const {
-    if (!track.blob) return false;
-    const Blob& blob = *track.blob;
-    const bool headed = track.head_hits >= kHeadHits;
-    const float high = blob.max_m.y - blob.min_m.y;
-    const bool tall = high >= kTallM;
-    if (!options_.ask_for_motion) return true;
-    if (!track.in_front()) {
-        const bool long_seen = to_seconds(track.seen - track.born) >= kStillHeadS;
-        const bool steady = track.head_hits >= kSteadyHead * static_cast<float>(track.sightings);
-        if (headed && steady && long_seen && !track.doubted) return true;
-        // From the side, but nothing else around: somebody who stands alone.
-        const bool alone = tall && !blob.cut && blob.free > 0.9f &&
-                           static_cast<float>(track.head_pictures) >=
-                               kSteadyHead * static_cast<float>(track.sightings);
-        if (alone && headed && !track.doubted) return true;
-        return track.moved && (headed || tall);
-    }
-    // Without a head: cut off by the upper edge of the picture, on the floor, or on the way.
-    if (headed || (tall && track.head_hits >= 1) || blob.border || test_.lying(blob)) return true;
-    const bool far = glm::distance(track.at_m, track.born_at_m) > kFarM;
-    return (tall && track.moved) || ((far || test_.accepts(blob)) && track.stirs >= kManyStirs);
-}
-
-bool PersonTracker::protects(const PersonTrack& track, TimeNs time) const {
-    if (track.id != 0) return true;
-    if (track.doubted) return track.moved;
-    const double patience = track.head_pictures > 0 ? options_.patience_s : options_.headless_s;
-    return proven(track) || to_seconds(time - track.born) < patience;
-}
-
-void PersonTracker::drop_furniture(TimeNs time) {
-    if (!options_.ask_for_motion) return;
-    std::erase_if(tracks_, [&](const PersonTrack& t) {
-        if (t.moved || !t.blob || t.in_front() || t.seen != time ||
-            to_seconds(time - t.born) < options_.still_s) {
-            return false;
-        }
-        doubted_m_.push_back(t.blob->centroid_m);
-        return true;
-    });
 }
 
 double PersonTracker::cost(const PersonTrack& track, const Blob& blob, TimeNs time) const {
@@ -389,34 +343,6 @@ bool PersonTracker::beside_someone(const Blob& blob, TimeNs time) const {
     return std::any_of(tracks_.begin(), tracks_.end(), [&](const PersonTrack& t) {
         return t.id != 0 && t.seen == time && t.blob && apart(blob, *t.blob, 0.3f, 0.35f) < 1;
     });
-}
-
-void PersonTracker::confirm(TimeNs time) {
-    for (PersonTrack& track : tracks_) {
-        if (track.id != 0 || track.seen != time || track.sightings < 2 ||
-            to_seconds(time - track.born) < options_.confirm_s || !proven(track)) {
-            continue;
-        }
-        std::array<const PersonTrack*, kPersonSlots + 1> holder{};
-        for (const PersonTrack& t : tracks_) holder[t.slot] = t.slot ? &t : nullptr;
-        std::uint8_t slot = 0;
-        for (std::uint8_t s = kPersonSlots; s >= 1; --s) {
-            if (!holder[s]) slot = s;
-        }
-        if (slot == 0) {  // somebody present comes before somebody remembered
-            const auto oldest = std::min_element(
-                tracks_.begin(), tracks_.end(), [](const PersonTrack& a, const PersonTrack& b) {
-                    return std::pair(a.slot == 0, a.seen) < std::pair(b.slot == 0, b.seen);
-                });
-            if (oldest->slot == 0 || oldest->seen == time) continue;
-            slot = oldest->slot;
-            oldest->slot = 0;  // forgotten below
-            oldest->sightings = -1;
-        }
-        track.slot = slot;
-        track.id = next_id_++;
-    }
-    std::erase_if(tracks_, [](const PersonTrack& t) { return t.sightings < 0; });
 }
 
 void PersonTracker::update(std::vector<Blob> blobs, const glm::mat3& upright, float height_m,

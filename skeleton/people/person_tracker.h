@@ -14,8 +14,10 @@
 namespace kino {
 
 struct TrackerOptions {
-    double keep_s = 3;       ///< an identity is kept so long without being seen
-    double confirm_s = 0.1;  ///< somebody new is told of after this long and in two pictures
+    double keep_s = 3;  ///< an identity is kept so long without being seen
+    /// Somebody new is told of after this long and in two pictures; at once if a head on a body
+    /// stands before a room that is known.
+    double confirm_s = 0.1;
     /// Where no background is known, what shows no head must move to be told of, and is taken for
     /// furniture after `headless_s`; what showed a head now and then, after `patience_s`; what has
     /// a clear and steady one is told of and doubted after `still_s`. Not for a moving sensor,
@@ -92,6 +94,7 @@ class PersonTracker {
     [[nodiscard]] std::vector<Blob> gather(std::vector<Blob> blobs, TimeNs time) const;
     void sight(PersonTrack& track, Blob blob, TimeNs time);
     void begin(Blob blob, TimeNs time);
+    [[nodiscard]] bool sure_at_once(const PersonTrack& track) const;
     void confirm(TimeNs time);
     [[nodiscard]] float weight(const Blob& blob, const BlobHead& head) const;
     [[nodiscard]] bool proven(const PersonTrack& track) const;
