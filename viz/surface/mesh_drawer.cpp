@@ -201,12 +201,15 @@ MeshList MeshDrawer::prepare(FrameGraph& graph, const Scene& scene, const View& 
         // Draws one by one have no number.
         list.options.carrier = DrawIdCarrier::first_instance;
     }
+    if (list.options.carrier == DrawIdCarrier::instance) {
+        list.options.culling = MeshCulling::none;
+    }
     if (scene.meshes.empty()) return list;
     MeshTable table = make_mesh_table(scene, view, state_->pool, options.filter);
     list.refused = table.refused;
     const auto rows = static_cast<std::uint32_t>(table.rows.size());
     const bool on_device = list.options.submit == MeshSubmit::multi_draw &&
-                           options.culling != MeshCulling::none &&
+                           list.options.culling != MeshCulling::none &&
                            rows >= options.cull_on_device_from;
     std::vector<VkDrawIndexedIndirectCommand> calls;
     std::vector<std::uint32_t> row_of_draw;
@@ -214,7 +217,7 @@ MeshList MeshDrawer::prepare(FrameGraph& graph, const Scene& scene, const View& 
         const auto sides = side_planes(view);
         for (std::uint32_t row = 0; row < rows; ++row) {
             const shared::MeshDraw& draw = table.rows[row];
-            if (options.culling != MeshCulling::none &&
+            if (list.options.culling != MeshCulling::none &&
                 !may_be_seen(sides, view.projection.near_m, draw.sphere_center,
                              draw.sphere_radius_m)) {
                 continue;

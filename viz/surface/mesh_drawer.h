@@ -37,7 +37,10 @@ enum class MeshCulling : std::uint8_t {
 enum class DrawIdCarrier : std::uint8_t {
     first_instance,  ///< gl_BaseInstance
     draw_id,         ///< gl_DrawID
-    attribute        ///< an instance-rate attribute, as the source has it
+    attribute,       ///< an instance-rate attribute, as the source has it
+    /// No draws at all but instances of one: for lists whose rows all show one mesh (checked by
+    /// nobody). Not culled. The rival where nothing differs from draw to draw.
+    instance
 };
 
 struct MeshListOptions {

@@ -8,18 +8,13 @@
 #include <set>
 #include <utility>
 
+#include "viz/surface/mesh_formats.h"
 #include "viz/surface/mesh_texels.h"
 
 namespace kino {
 namespace {
 
-/// Two texels of four words.
-struct PackedVertex {
-    glm::vec3 position;
-    glm::vec3 normal;
-    glm::vec2 uv;
-};
-static_assert(sizeof(PackedVertex) == 32);
+constexpr std::uint64_t kVertexBytes = 32;
 
 struct PackedWeights {
     std::array<std::uint16_t, 4> joints;
@@ -108,13 +103,8 @@ std::uint64_t MeshPool::bytes() const {
 
 void MeshPool::write(PooledMesh& mesh) {
     const MeshAsset& asset = *mesh.asset;
-    std::vector<PackedVertex> packed(mesh.vertices);
-    for (std::size_t v = 0; v < packed.size(); ++v) {
-        packed[v] = {asset.positions[v], asset.normals[v],
-                     asset.uvs.empty() ? glm::vec2(0) : asset.uvs[v]};
-    }
-    vertices_.write(std::span<const PackedVertex>(packed),
-                    std::uint64_t{mesh.first_vertex} * sizeof(PackedVertex));
+    const PackedVertices packed = pack_static(asset);
+    vertices_.write(std::span<const std::uint32_t>(packed.words), mesh.first_vertex * kVertexBytes);
     indices_.write(std::span<const std::uint32_t>(asset.indices),
                    std::uint64_t{mesh.first_index} * sizeof(std::uint32_t));
     if (!asset.skinned()) return;
@@ -178,7 +168,7 @@ Result<void> MeshPool::rebuild(const std::vector<std::shared_ptr<const MeshAsset
     index_ranges_ = MeshRanges(static_cast<std::uint32_t>(indices));
     weight_ranges_ = MeshRanges(static_cast<std::uint32_t>(weights));
     if (vertices == 0) return {};
-    KINO_ASSIGN(vertices_, make_pool(device_, "mesh vertices", vertices, sizeof(PackedVertex)));
+    KINO_ASSIGN(vertices_, make_pool(device_, "mesh vertices", vertices, kVertexBytes));
     KINO_ASSIGN(indices_, make_pool(device_, "mesh indices", indices, sizeof(std::uint32_t)));
     if (weights > 0) {
         KINO_ASSIGN(weights_, make_pool(device_, "mesh weights", weights, sizeof(PackedWeights)));

@@ -13,6 +13,8 @@ uint row_of_this_draw() {
     if (kCarrier == KINO_CARRIER_DRAW_ID) {
         return texelFetch(row_of_draw, int(view.first_row) + gl_DrawIDARB).x;
     }
+    // One draw of many instances; everywhere else gl_InstanceIndex would add the instance to the id.
+    if (kCarrier == KINO_CARRIER_INSTANCE) return uint(gl_InstanceIndex);
     return uint(gl_BaseInstanceARB);
 #endif
 }
@@ -24,6 +26,11 @@ void main() {
     place_vertex(v.position, v.normal, v.uv, draw_texel(row, 0), draw_texel(row, 1),
                  draw_texel(row, 2), draw_texel(row, 3), draw_texel(row, 4), draw_texel(row, 5),
                  row);
-    // Outside of the clip volume, all of the draw.
+    if ((kFormats & (1u << KINO_FORMAT_CLOUD)) != 0u) {
+        vec3 base = vec3(unpackHalf2x16(v_draw.y), unpackHalf2x16(v_draw.z).x) * v.color;
+        v_draw.y = packHalf2x16(base.xy);
+        v_draw.z = (v_draw.z & 0xFFFF0000u) | packHalf2x16(vec2(base.z, 0.0));
+    }
+    // Outside of the clip volume, all corners of the triangle alike.
     if (!v.known) gl_Position = vec4(0.0, 0.0, 0.0, -1.0);
 }

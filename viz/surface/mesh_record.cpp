@@ -35,6 +35,19 @@ constexpr std::uint32_t kSeedFragment[] = {
 #include "mesh_depth_seed_frag.inc"
 };
 
+std::uint32_t carrier_of(const MeshList& list) {
+    switch (list.options.carrier) {
+        case DrawIdCarrier::draw_id:
+            return KINO_CARRIER_DRAW_ID;
+        case DrawIdCarrier::instance:
+            return KINO_CARRIER_INSTANCE;
+        case DrawIdCarrier::first_instance:
+        case DrawIdCarrier::attribute:
+            break;
+    }
+    return KINO_CARRIER_FIRST_INSTANCE;
+}
+
 gpu::PipelineDesc describe(const MeshList& list, const MeshShader& shader) {
     gpu::PipelineDesc desc;
     desc.name = shader.name;
@@ -43,10 +56,7 @@ gpu::PipelineDesc describe(const MeshList& list, const MeshShader& shader) {
     desc.bindings = {gpu::Binding::word_quads, gpu::Binding::word_quads, gpu::Binding::word_quads,
                      gpu::Binding::words, gpu::Binding::words};
     desc.bindings.insert(desc.bindings.end(), shader.bindings.begin(), shader.bindings.end());
-    desc.constants = {list.formats,
-                      list.options.carrier == DrawIdCarrier::draw_id ? KINO_CARRIER_DRAW_ID
-                                                                     : KINO_CARRIER_FIRST_INSTANCE,
-                      list.textured ? 1u : 0u};
+    desc.constants = {list.formats, carrier_of(list), list.textured ? 1u : 0u};
     desc.constants.insert(desc.constants.end(), shader.constants.begin(), shader.constants.end());
     desc.color_formats = shader.color_formats;
     desc.depth_format = shader.depth_format;
@@ -160,7 +170,11 @@ bool MeshDrawer::record(PassContext& context, const MeshList& list, const MeshSh
             }
             break;
         case MeshSubmit::multi_draw:
-            if (!list.counters.valid()) {
+            if (list.options.carrier == DrawIdCarrier::instance) {
+                VkDrawIndexedIndirectCommand all = list.calls->front();
+                all.instanceCount = list.count;
+                commands.draw_indexed(all);
+            } else if (!list.counters.valid()) {
                 commands.draw_indexed_indirect(context.buffer(list.commands),
                                                static_cast<std::uint32_t>(list.calls->size()));
             } else if (list.options.culling == MeshCulling::compact) {

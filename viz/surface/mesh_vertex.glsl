@@ -3,7 +3,7 @@
 #include "viz/surface/mesh_shared.h"
 layout(push_constant, scalar) uniform Push { MeshView view; };
 layout(location = 0) out vec3 v_position;    // view space, metres
-layout(location = 1) out vec3 v_normal;      // view space, not unit
+layout(location = 1) out vec3 v_normal;      // view space, unit at the corners
 layout(location = 2) out vec2 v_uv;
 layout(location = 3) flat out uvec4 v_draw;  // object, colour rg, colour b + texture, row
 invariant gl_Position;
@@ -18,8 +18,11 @@ void place_vertex(vec3 position, vec3 normal, vec2 uv, uvec4 x, uvec4 y, uvec4 z
     p.y = ry.x * position.x + ry.y * position.y + ry.z * position.z + ry.w;
     p.z = rz.x * position.x + rz.y * position.y + rz.z * position.z + rz.w;
     v_position = p;
-    v_normal = vec3(dot(uintBitsToFloat(nx.xyz), normal), dot(uintBitsToFloat(ny.xyz), normal),
-                    dot(uintBitsToFloat(nz.xyz), normal));
+    vec3 n = vec3(dot(uintBitsToFloat(nx.xyz), normal), dot(uintBitsToFloat(ny.xyz), normal),
+                  dot(uintBitsToFloat(nz.xyz), normal));
+    // Stretching must not give one corner of a triangle more say than the others.
+    float squared = dot(n, n);
+    v_normal = squared > 0.0 ? n * inversesqrt(squared) : normal;
     v_uv = uv;
     v_draw = uvec4(nx.w, ny.w, nz.w, row);
     // Reversed depth without a far plane: near -> 1, infinity -> 0.
