@@ -1,12 +1,11 @@
 #include "viz/light/light_lists.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <vector>
 
 #include "base/check.h"
 #include "viz/graph/executor.h"
+#include "viz/light/buffer_upload.h"
 #include "viz/light/light_records.h"
 #include "viz/light/light_shared.h"
 
@@ -36,24 +35,6 @@ constexpr std::uint32_t kListStatistics[] = {
 };
 
 constexpr std::uint32_t kChunkWords = 8;
-
-/// Buffers are pooled by size, and the number of lights changes from frame to frame.
-template <class T>
-std::uint64_t roomy_bytes(std::size_t count) {
-    return std::bit_ceil(std::max<std::size_t>(count, 16)) * sizeof(T);
-}
-
-/// Any number of bytes through the command buffer itself, which takes 64 KB at a time.
-template <class T>
-void write_buffer(PassContext& c, BufferId id, const std::vector<T>& values) {
-    constexpr std::size_t kMost = 65536;
-    const auto* bytes = reinterpret_cast<const char*>(values.data());
-    const std::size_t total = values.size() * sizeof(T);
-    for (std::size_t done = 0; done < total; done += kMost) {
-        vkCmdUpdateBuffer(c.commands().handle(), c.buffer(id), done, std::min(kMost, total - done),
-                          bytes + done);
-    }
-}
 
 struct CullBuffers {
     BufferId bounds;

@@ -62,6 +62,11 @@ constexpr std::size_t kLightsWithoutLists = 8;
 [[nodiscard]] graph::BufferId add_light_statistics(graph::FrameGraph& graph,
                                                    const LightLists& lists);
 
+/// A picture of the lists' lengths, RGBA16F, of the lists' view: blue few, green half of `full`,
+/// red `full` lights and more.
+[[nodiscard]] graph::TextureId add_light_heat_map(graph::FrameGraph& graph, const LightLists& lists,
+                                                  float full = 50);
+
 /// Shades the surface with lists, materials and (if valid) shadow masks into a new linear RGBA16F
 /// texture of the surface's size. `view` may be a smaller version of the lists' view (framebuffer
 /// LOD): tiles are found by position. The surface must have albedo, view_z, normal; without

@@ -60,13 +60,22 @@ void main() {
     for (uint w = 0u; w < p.words; ++w) {
         uint bits = kTwoLevel != 0u ? texelFetch(macro_words, int(macro * p.words + w)).x
                                     : 0xFFFFFFFFu >> (32u - min(p.locals - w * 32u, 32u));
+        // Tested first and stored afterwards: a store costs each lane a branch, taken or not, and
+        // most candidates are not stored.
+        uint hits = 0u;
         while (bits != 0u) {
-            uint light = w * 32u + uint(findLSB(bits));
+            uint bit = uint(findLSB(bits));
             bits &= bits - 1u;
-            if (light_touches(volume, light)) {
-                if (kStage != 1u && found < room) indices[first + found] = p.first_local + light;
-                ++found;
-            }
+            hits |= light_touches(volume, w * 32u + bit) ? 1u << bit : 0u;
+        }
+        if (kStage == 1u) {
+            found += uint(bitCount(hits));
+            hits = 0u;
+        }
+        while (hits != 0u) {
+            if (found < room) indices[first + found] = p.first_local + w * 32u + uint(findLSB(hits));
+            hits &= hits - 1u;
+            ++found;
         }
     }
     if (kStage == 2u) return;
