@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
+#include <tuple>
+#include <utility>
 
 #include "base/check.h"
 #include "sensor/file_bytes.h"
@@ -133,6 +136,15 @@ Result<DepthBias> read_bias_file(const std::filesystem::path& path, const std::s
 std::filesystem::path bias_file_beside(const std::filesystem::path& calibration) {
     std::filesystem::path out = calibration;
     return out.replace_extension(".bias.json");
+}
+
+Result<std::optional<DepthBias>> bias_beside(const std::filesystem::path& calibration,
+                                             const std::string& serial) {
+    const std::filesystem::path file = bias_file_beside(calibration);
+    std::error_code error;
+    if (calibration.empty() || !std::filesystem::exists(file, error)) return std::nullopt;
+    KINO_ASSIGN(DepthBias bias, read_bias_file(file, serial));
+    return bias;
 }
 
 }  // namespace kino

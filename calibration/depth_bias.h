@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,5 +55,8 @@ class BiasTable {
                                                const std::string& serial);
 /// "A22.json" -> "A22.bias.json": beside the calibration.
 [[nodiscard]] std::filesystem::path bias_file_beside(const std::filesystem::path& calibration);
+/// The bias beside a calibration file; none where there is no such file.
+[[nodiscard]] Result<std::optional<DepthBias>> bias_beside(const std::filesystem::path& calibration,
+                                                           const std::string& serial);
 
 }  // namespace kino

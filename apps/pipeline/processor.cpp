@@ -32,12 +32,14 @@ void dim(Image<Rgba8>& image) {
 }  // namespace
 
 Result<Processor> Processor::create(const RigParameters& parameters, const RigOptions& options,
-                                    DepthFilterChain filters) {
+                                    DepthFilterChain filters,
+                                    const std::optional<DepthBias>& bias) {
     RigParameters seen = parameters;
     seen.depth = filters.camera(parameters.depth);
     KINO_ASSIGN(Rig rig, Rig::create(seen, options));
     Processor processor(std::move(rig));
-    if (!filters.empty()) {
+    if (bias) processor.bias_.emplace(*bias, parameters.depth.width, parameters.depth.height);
+    if (!filters.empty() || bias) {
         RigParameters depth_only = parameters;
         depth_only.color.reset();
         KINO_ASSIGN(processor.metres_, Rig::create(std::move(depth_only), options));
@@ -63,10 +65,11 @@ Result<void> Processor::take_color(const FrameSet& set) {
 }
 
 Result<const DepthFrame*> Processor::filtered(const FrameSet& set) {
-    if (filters_.empty()) return set.depth.get();
+    if (filters_.empty() && !bias_) return set.depth.get();
     KINO_TRY(metres_->register_depth(*set.depth, unfiltered_));
-    filters_.apply(unfiltered_.depth_m, filtered_m_);
-    linear_depth(filtered_m_, filtered_);
+    if (bias_) bias_->correct(unfiltered_.depth_m);
+    if (!filters_.empty()) filters_.apply(unfiltered_.depth_m, filtered_m_);
+    linear_depth(filters_.empty() ? unfiltered_.depth_m : filtered_m_, filtered_);
     return &filtered_;
 }
 

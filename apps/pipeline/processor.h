@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "apps/pipeline/processed_frame.h"
 #include "apps/pipeline/recycling_pool.h"
+#include "calibration/depth_bias.h"
 #include "calibration/rig.h"
 #include "sensor/filters/depth_filter_chain.h"
 
@@ -19,10 +21,12 @@ constexpr double kUnpairedBrightness = 0.5;
 class Processor {
   public:
     /// Fails where Rig::create does. `filters` work on the depth before it is registered; with
-    /// decimation, rig() is that of the smaller picture.
+    /// decimation, rig() is that of the smaller picture. `bias`: what the device's depth is off by,
+    /// taken away before anything else.
     [[nodiscard]] static Result<Processor> create(const RigParameters& parameters,
                                                   const RigOptions& options = {},
-                                                  DepthFilterChain filters = {});
+                                                  DepthFilterChain filters = {},
+                                                  const std::optional<DepthBias>& bias = {});
 
     /// Fails for a set without any picture and where Rig::register_depth or to_rgba8 do; the next
     /// frame is not touched by that. `times.read` is left 0.
@@ -43,12 +47,13 @@ class Processor {
 
     Result<void> take_color(const FrameSet& set);
     Result<void> make_surface(const FrameSet& set, ProcessedFrame& out);
-    /// The set's depth, filtered if there are filters.
+    /// The set's depth: corrected if there is a bias, filtered if there are filters.
     Result<const DepthFrame*> filtered(const FrameSet& set);
 
     Rig rig_;
     DepthFilterChain filters_;
-    std::optional<Rig> metres_;  ///< to metres only, for the filters
+    std::optional<BiasTable> bias_;
+    std::optional<Rig> metres_;  ///< to metres only, for bias and filters
     RegisteredDepth unfiltered_;
     Image<float> filtered_m_;
     DepthFrame filtered_;

@@ -135,6 +135,7 @@ void draw_overlay(const OverlayText& t) {
             fmt::format("{:.0f}: arrive {:.1f}, process {:.1f}, wait {:.1f}, draw {:.1f}",
                         to_ms(t.latency.total()), to_ms(t.latency.arrive), to_ms(t.latency.process),
                         to_ms(t.latency.wait), to_ms(t.latency.draw)));
+        if (!t.alignment.empty()) row("calibration", t.alignment);
         if (!t.recording.empty()) row("recording", t.recording);
         row("device", fmt::format("{:.1f} MB", static_cast<double>(t.device_bytes) / 1e6));
         if (ImGui::GetIO().DisplaySize.y >= 560) row("passes", passes_text(t.passes));

@@ -29,6 +29,7 @@ struct OverlayText {
     std::string people;  ///< who is seen; empty: bodies are off and none are recorded
     std::optional<TrackingTimes> tracking;
     Latency latency;
+    std::string alignment;  ///< LiveAlignment::words()
     std::string recording;  ///< empty: none
     std::int64_t points = 0;
     std::vector<std::string> passes;
