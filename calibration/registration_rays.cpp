@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <optional>
@@ -26,15 +27,23 @@ glm::dvec2 ray_of(const Projection& projection, double x, double y) {
     return projection.unproject({x, y}).value_or(glm::dvec2(kNoRay));
 }
 
-// Whether the mean of the four nodes is the ray of the pixel in their middle; NaN says no.
+// Whether bilinear interpolation between four nodes (two above, then two below) gives the rays of
+// the pixels between them; asked in their middle, and for larger cells around it as well, because
+// the error may change its sign within the cell. NaN says no.
 bool good_enough(const Projection& projection, const std::array<glm::dvec2, 4>& corner,
-                 glm::dvec2 middle) {
-    const glm::dvec2 mean = (corner[0] + corner[1] + corner[2] + corner[3]) / 4.0;
-    const auto pixel = projection.distort(mean);
-    if (!pixel) return false;
+                 const glm::dvec2& first, const glm::dvec2& size) {
     const CameraModel& c = projection.camera();
-    const glm::dvec2 there(c.fx * pixel->x + c.cx, c.fy * pixel->y + c.cy);
-    return glm::length(there - middle) <= RayNodes::kWorstTablePx;
+    const auto good_at = [&](double x, double y) {
+        const glm::dvec2 above = glm::mix(corner[0], corner[1], x);
+        const glm::dvec2 below = glm::mix(corner[2], corner[3], x);
+        const glm::dvec2 exact = ray_of(projection, first.x + x * size.x, first.y + y * size.y);
+        const glm::dvec2 off = (glm::mix(above, below, y) - exact) * glm::dvec2(c.fx, c.fy);
+        return glm::length(off) <= RayNodes::kWorstTablePx;
+    };
+    if (!good_at(0.5, 0.5)) return false;
+    if (size.x <= 2 && size.y <= 2) return true;
+    return good_at(0.5, 0) && good_at(0, 0.5) && good_at(1, 0.5) && good_at(0.5, 1) &&
+           good_at(0.25, 0.25) && good_at(0.75, 0.25) && good_at(0.25, 0.75) && good_at(0.75, 0.75);
 }
 
 }  // namespace
@@ -58,11 +67,10 @@ RayNodes find_rays(const CameraModel& camera, int step) {
             const int top = j * step;
             const int right = node_position(i + 1, camera.width, step);
             const int bottom = node_position(j + 1, camera.height, step);
-            const glm::dvec2 middle((left + right) / 2.0, (top + bottom) / 2.0);
             if (good_enough(projection,
                             {out.nodes.at(i, j), out.nodes.at(i + 1, j), out.nodes.at(i, j + 1),
                              out.nodes.at(i + 1, j + 1)},
-                            middle)) {
+                            {left, top}, {right - left, bottom - top})) {
                 continue;
             }
             // Its last column and row belong to it only where nobody follows.
@@ -83,7 +91,11 @@ RayNodes find_rays(const CameraModel& camera, int step) {
 }
 
 RayTable::RayTable(const RayNodes& nodes, const glm::dmat3& rotation)
-    : width_(nodes.width), height_(nodes.height), step_(nodes.step), columns_(nodes.nodes.width()) {
+    : width_(nodes.width),
+      height_(nodes.height),
+      step_(nodes.step),
+      inverse_step_(1.0f / static_cast<float>(nodes.step)),
+      columns_(nodes.nodes.width()) {
     const auto turn = [&](glm::dvec2 ray) {
         // Rounded as depth_rays() is, so that both tell the same point.
         const glm::dvec3 turned = rotation * glm::dvec3(glm::dvec2(glm::vec2(ray)), 1);
@@ -117,18 +129,22 @@ void RayTable::read_row(int y, int first, int n, const std::array<float*, 3>& ou
     for (std::size_t k = 0; k < 3; ++k) {
         const float* upper = channel_[k].data() + upper_row;
         const float* lower = channel_[k].data() + lower_row;
+        const auto at = [&](int node) { return upper[node] + (lower[node] - upper[node]) * down; };
         float* to = out[k];
-        for (int x = first; x < end;) {
-            const int node = std::min(x / step_, last_left);
+        int node = std::min(first / step_, last_left);
+        float at_left = at(node);
+        for (int x = first; x < end; ++node) {
             const int next = std::min(node + 1, columns_ - 1);
             const int left = node * step_;
             const int right = node_position(next, width_, step_);
-            const float at_left = upper[node] + (lower[node] - upper[node]) * down;
-            const float at_right = upper[next] + (lower[next] - upper[next]) * down;
-            const float slope =
-                right > left ? (at_right - at_left) / static_cast<float>(right - left) : 0.0f;
+            const float at_right = at(next);
+            const float share = right - left == step_ ? inverse_step_
+                                : right > left        ? 1.0f / static_cast<float>(right - left)
+                                                      : 0.0f;
+            const float slope = (at_right - at_left) * share;
             const int stop = node == last_left ? end : std::min(end, right);
             for (; x < stop; ++x) to[x - first] = at_left + slope * static_cast<float>(x - left);
+            at_left = at_right;
         }
     }
 }

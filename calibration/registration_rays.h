@@ -13,9 +13,9 @@ namespace kino::registration {
 /// The rays (at z = 1, in double) of every `step`th pixel of a camera and of its last column and
 /// row; bilinear interpolation gives the others. NaN where the distortion has no inverse.
 ///
-/// Where the interpolation would be off by more than kWorstTablePx in the middle of four nodes, or
-/// one of the nodes has no ray, the pixels between them keep rays of their own: a lens that folds
-/// back near the border costs memory there, not accuracy.
+/// Where the interpolation would be off by more than kWorstTablePx between four nodes (asked at up
+/// to nine places), or one of the nodes has no ray, the pixels there keep rays of their own: a lens
+/// that folds back near the border costs memory there, not accuracy.
 struct RayNodes {
     static constexpr double kWorstTablePx = 0.05;
     struct Exact {
@@ -57,6 +57,7 @@ class RayTable {
     int width_ = 0;
     int height_ = 0;
     int step_ = 1;
+    float inverse_step_ = 1;
     int columns_ = 0;  // nodes a row
     std::array<std::vector<float>, 3> channel_;
     std::vector<Exact> exact_;

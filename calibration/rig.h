@@ -66,7 +66,7 @@ struct RigOptions {
     /// (calibration/registration_holes.h). 0: nothing is made up.
     int fill_holes_px = 0;
     /// 1, 2, 4 or 8: every how many pixels, each way, a ray is kept; bilinear interpolation gives
-    /// the others, off by 0.05 px at most (calibration/registration_rays.h).
+    /// the others, off by less than 0.1 depth pixel (calibration/registration_rays.h).
     int ray_table_step = 1;
 };
 

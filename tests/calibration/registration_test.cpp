@@ -324,6 +324,26 @@ TEST(RegistrationSplat, ParallelWalls) {
     }
 }
 
+// Within one colour pixel such a wall's depth changes by more than the occlusion margin, so that
+// depths at two places of it must not be compared.
+TEST(RegistrationSplat, SlantedWallDoesNotHideItself) {
+    RigParameters rig = side_by_side(160, 40, 1, 0.01);
+    rig.color = rig.depth;
+    rig.color->fx /= 2;  // colour pixels twice as wide as depth pixels
+    RegistrationScene scene;
+    scene.rectangles.push_back(upright({-0.4, 0, 1.6}, 1.2, 82));
+    const Seen seen = see(scene, rig, {.occlusion_margin_m = 0.002, .coverage = Coverage::splat});
+    int visible = 0;
+    int refused = 0;
+    for (std::size_t i = 0; i < seen.truth.seen_by_color.size(); ++i) {
+        if (seen.truth.seen_by_color.pixels()[i] == 0) continue;
+        ++visible;
+        refused += !seen.out.uv.pixels()[i].valid();
+    }
+    EXPECT_GT(visible, 400);
+    EXPECT_LT(refused, visible / 100);
+}
+
 TEST(RegistrationSplat, SlantedWallSeenEdgeOn) {
     // The depth camera sees its right side; from 0.1 to 0.3 m further left or right the colour
     // camera sees it edge-on, from behind, or from the front.
@@ -371,14 +391,19 @@ bool nothing_there(const RegisteredDepth& out) {
 
 TEST(RegistrationSplat, EmptyFrameAndAllInvalid) {
     RigSamples samples(25);
-    const RigParameters parameters = samples.rig(64, 48);
+    RigParameters parameters = samples.rig(64, 48);
+    // A depth of zero lies in the depth camera itself, which this colour camera sees before it.
+    parameters.color_from_depth.translation = {0, 0, 0.05};
     DepthFrame frame = samples.room(64, 48);
     for (const Coverage coverage : {Coverage::bilinear, Coverage::splat}) {
         RigOptions options{.coverage = coverage, .fill_holes_px = 1 << 20};
         // 60 m are a reading, but out of range.
         for (const int raw : {0, 65535, 60'000}) {
             frame.raw.fill(static_cast<std::uint16_t>(raw));
-            EXPECT_TRUE(nothing_there(splatted(parameters, frame, options))) << raw;
+            for (const bool simd : {false, true}) {
+                options.simd = simd;
+                EXPECT_TRUE(nothing_there(splatted(parameters, frame, options))) << raw;
+            }
         }
     }
     RegisteredDepth unused;
