@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-#include <opencv2/core.hpp>
 #include <opencv2/rgbd/depth.hpp>
 #include <string>
 #include <vector>
 
+#include "apps/bench/registration_levels.h"
+#include "apps/bench/registration_peers.h"
 #include "apps/bench/registry.h"
 #include "calibration/color_in_depth.h"
 #include "calibration/depth_points.h"
@@ -25,43 +25,6 @@ Result<DepthFrame> read_office() {
     KINO_ASSIGN(const auto frames, source->next(kNsPerSecond));
     if (!frames || !frames->depth) return fail("the recording holds no depth frame", kRecording);
     return *frames->depth;
-}
-
-// The task the peers were timed on (OpenCV, librealsense, Azure): a PrimeSense depth camera, a
-// colour camera 25 mm beside it, turned by 5 mrad.
-RigParameters make_rig(int width, int height, bool distorted) {
-    RigParameters rig;
-    rig.depth = {.width = width, .height = height, .fx = 575.8, .fy = 575.8};
-    rig.depth.cx = (width - 1) / 2.0;
-    rig.depth.cy = (height - 1) / 2.0;
-    CameraModel color = rig.depth;
-    color.fx = color.fy = 525;
-    if (distorted) {
-        color.k1 = 0.05;
-        color.k2 = -0.1;
-        color.p1 = 0.001;
-        color.p2 = -0.001;
-        color.k3 = 0.02;
-    }
-    rig.color = color;
-    rig.color_from_depth = {glm::angleAxis(0.005, glm::dvec3(0, 1, 0)), {-0.025, 0, 0}};
-    // OpenCV has no limits of range.
-    rig.min_depth_m = 0;
-    rig.max_depth_m = 65;
-    return rig;
-}
-
-cv::Matx33d matrix(const CameraModel& c) {
-    return {c.fx, 0, c.cx, 0, c.fy, c.cy, 0, 0, 1};
-}
-
-cv::Matx44d matrix(const Pose& pose) {
-    const glm::dmat4 m = pose.matrix();
-    cv::Matx44d out;
-    for (int row = 0; row < 4; ++row) {
-        for (int column = 0; column < 4; ++column) out(row, column) = m[column][row];
-    }
-    return out;
 }
 
 struct DepthError {
@@ -267,6 +230,7 @@ void bench_registration(BenchContext& context) {
     if (!context.quick()) bench_rig(context, *frame, false);
     bench_points(context, *frame);
     bench_color(context, *frame);
+    bench_registration_levels(context);
     context.note(
         "One frame of recordings/office (PrimeSense), depth camera 575.8 px, colour camera "
         "525 px, 25 mm beside it and turned by 5 mrad; everything on one thread. \"rig\" "
