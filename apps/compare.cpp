@@ -9,13 +9,16 @@
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
 #include "sensor/png_io.h"
+#include "viz/quality/edge_band.h"
+#include "viz/quality/flip.h"
 #include "viz/quality/image_metrics.h"
+#include "viz/quality/ssim.h"
 
 namespace kino {
 namespace {
 
 struct CompareRequest {
-    std::string a, b, out;
+    std::string a, b, out, map;
     int tolerance = 0;
     int shift_radius = 0;
     bool json = false;
@@ -26,7 +29,26 @@ int fail_with(const Error& error) {
     return kExitFailed;
 }
 
-void print_json(const ImageDifference& difference, bool same) {
+/// How far apart the pictures look.
+struct Perceived {
+    double ssim = 1;
+    double flip = 0;
+    BandError band;  ///< near edges of A's luma
+};
+
+Result<Perceived> perceive(const Image<Rgba8>& a, const Image<Rgba8>& b, const std::string& map) {
+    Perceived out;
+    KINO_ASSIGN(out.ssim, ssim(a, b));
+    KINO_ASSIGN(const FlipResult flip, flip_error(a, b));
+    out.flip = flip.mean;
+    KINO_ASSIGN(out.band, band_error(a, b, luma_edge_band(a)));
+    if (map.empty()) return out;
+    const Image<Rgba8> picture = flip_picture(flip);
+    KINO_TRY(write_png_rgba8(map, picture.view()));
+    return out;
+}
+
+void print_json(const ImageDifference& difference, const Perceived& seen, bool same) {
     const nlohmann::ordered_json out = {
         {"same", same},
         {"max_abs", difference.max_abs},
@@ -35,7 +57,11 @@ void print_json(const ImageDifference& difference, bool same) {
         {"rmse", difference.rmse},
         // JSON has no infinity: equal pictures have no ratio.
         {"psnr_db", std::isfinite(difference.psnr_db) ? nlohmann::ordered_json(difference.psnr_db)
-                                                      : nlohmann::ordered_json()}};
+                                                      : nlohmann::ordered_json()},
+        {"ssim", seen.ssim},
+        {"flip", seen.flip},
+        {"edge_band_mse", seen.band.mse},
+        {"edge_band_pixels", seen.band.pixels}};
     fmt::print("{}\n", out.dump(2));
 }
 
@@ -52,11 +78,15 @@ int run_compare(const CompareRequest& request) {
     const auto difference = compare_images(
         *a, *b, {.tolerance = request.tolerance, .shift_radius = request.shift_radius});
     if (!difference) return fail_with(difference.error());
+    const auto seen = perceive(*a, *b, request.map);
+    if (!seen) return fail_with(seen.error());
     const bool same = difference->failing_pixels == 0;
     if (request.json) {
-        print_json(*difference, same);
+        print_json(*difference, *seen, same);
     } else {
         fmt::print("{}: {}\n", same ? "same" : "different", difference->to_string());
+        fmt::print("SSIM {:.5f}, FLIP {:.5f}, MSE near edges {:.3f} ({} pixels)\n", seen->ssim,
+                   seen->flip, seen->band.mse, seen->band.pixels);
     }
     return same ? kExitDone : kExitDiffer;
 }
@@ -69,6 +99,8 @@ Command add_compare(CLI::App& parent) {
     app.add_option("A", request->a, "a PNG")->required();
     app.add_option("B", request->b, "a PNG of the same size")->required();
     app.add_option("--out", request->out, "write a picture of the differences")->type_name("PNG");
+    app.add_option("--map", request->map, "write a picture of the seen error (FLIP)")
+        ->type_name("PNG");
     app.add_option("--tolerance", request->tolerance, "a channel may differ by N of 255, default 0")
         ->check(CLI::Range(0, 255))
         ->type_name("N");

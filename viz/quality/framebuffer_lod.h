@@ -18,8 +18,7 @@ enum class RangeMetric : std::uint8_t {
     plane       ///< |n_i . (P_i - P_j)| / z_i: a slanted surface is one surface
 };
 enum class LodFormat : std::uint8_t {
-    packed,  ///< two words a coarse pixel: light in three 9-bit numbers with one exponent; depth in
-             ///< steps of 0.015 %, normals in 8 + 8 bits
+    packed,  ///< guides in one word: depth in steps of 0.015 %, normals in 8 + 8 bits
     wide     ///< everything as it is: the reference of the packed kernel
 };
 

@@ -7,7 +7,7 @@ layout(push_constant, scalar) uniform Push { LodParams p; };
 layout(constant_id = 0) const uint kFineGrained = 1;
 layout(constant_id = 1) const uint kKeepBackground = 1;
 layout(constant_id = 2) const uint kMetric = 2;  // RangeMetric
-layout(set = 0, binding = 1) uniform usampler2D coarse_light;
+layout(set = 0, binding = 1) uniform sampler2D coarse_light;
 layout(set = 0, binding = 2) uniform usampler2D coarse_guide;
 layout(set = 0, binding = 3) uniform sampler2D albedo;
 layout(set = 0, binding = 4) uniform sampler2D view_z;
@@ -69,7 +69,7 @@ void main() {
     vec4 w = range_weights(e, tent(at.t));
 
     vec3 light = vec3(0.0);
-    for (int j = 0; j < 4; ++j) light += w[j] * unpack_light(texelFetch(coarse_light, corner[j], 0).r);
+    for (int j = 0; j < 4; ++j) light += w[j] * texelFetch(coarse_light, corner[j], 0).rgb;
     light /= w.x + w.y + w.z + w.w;
     vec4 seen = texelFetch(albedo, here, 0);
     vec3 own = from_srgb(seen.rgb);

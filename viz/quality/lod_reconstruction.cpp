@@ -67,7 +67,7 @@ float range_weight(float sigma) {
 /// All that the passes of one reconstruction share.
 struct Upsampling {
     TextureId linear;  ///< as shaded
-    TextureId light;   ///< packed
+    TextureId light;   ///< finite, without albedo
     CoarseSurface coarse;
     SurfaceTargets fine;
     TextureId out;
@@ -100,11 +100,11 @@ void add_pack(FrameGraph& graph, Upsampling& up) {
     const shared::LodTileParams& tiles = up.tiles;
     const auto width = static_cast<std::uint32_t>(tiles.last.x + 1);
     const auto height = static_cast<std::uint32_t>(tiles.last.y + 1);
-    up.light = graph.create_texture("coarse light", {width, height, VK_FORMAT_R32_UINT});
+    up.light = graph.create_texture("coarse light", {width, height, kLodLinearFormat});
     const auto execute = [up, width, height](PassContext& c) {
         gpu::PipelineDesc desc = fragment_pipeline("lod/pack", kLodPack, 2, 0);
         desc.constants = {up.options.fine_grained ? 1u : 0u};
-        desc.color_formats = {VK_FORMAT_R32_UINT};
+        desc.color_formats = {kLodLinearFormat};
         const std::array<gpu::Target, 1> targets = {{{.view = c.view(up.light)}}};
         c.commands().begin_rendering({width, height}, targets, nullptr);
         if (c.bind(desc, {c.bound(up.linear), c.bound(up.coarse.surface.albedo)})) {

@@ -198,15 +198,6 @@ LodResult LodRig::run(const LodScene& scene, const FramebufferLodOptions& option
 
 namespace {
 
-/// Nine bits for the largest channel, the others on its scale.
-glm::dvec3 as_shared_exponent(const glm::dvec3& c) {
-    const double most = std::max({c.x, c.y, c.z});
-    if (!(most > 0)) return glm::dvec3(0);
-    double step = std::exp2(std::floor(std::log2(most)) - 8);
-    if (std::round(most / step) > 511) step *= 2;
-    return glm::round(c / step) * step;
-}
-
 glm::dvec2 slope_of(const glm::dvec3& n, double least) {
     return glm::dvec2(n) / std::max(-n.z, least);
 }
@@ -234,7 +225,6 @@ Image<reference::LodSample> lod_samples(const LodResult& result,
         sample.slope = slope_of(unpacked_normal(result.normal.pixels()[i]), 0.05);
         if (!result.object.empty()) sample.object = result.object.pixels()[i];
         if (!packed || result.guide.empty()) continue;
-        sample.light = as_shared_exponent(sample.light);
         const std::uint32_t word = result.guide.pixels()[i];
         const double q = word >> 16;
         sample.z = q == 0 ? 0 : 0.05 * std::exp2((q - 1) / 4586.0);
