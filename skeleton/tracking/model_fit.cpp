@@ -19,6 +19,10 @@ constexpr float kLabelCost = 1.0f;
 constexpr float kPointsPerBone = 25;  // more do not know more: their errors are alike
 constexpr float kModeSigmaM = 0.06f;
 constexpr float kSureModeM2 = 0.004f;  // half a hand
+// What is not seen of a limb. Tried on furnished takes of training motions.
+constexpr float kHiddenLegSigma = 0.15f, kHiddenArmSigma = 0.6f;
+constexpr float kMirrorLeg = 1.0f, kMirrorArm = 0.5f;  // as the other side is, or as at rest
+constexpr float kLegsApart = 0.8f;                     // in sums of their radii
 
 struct Choice {
     SurfaceGap gap;
@@ -113,6 +117,11 @@ void ModelFit::add_points(const FitEvidence& evidence, const JointedModel& model
                             weight);
     }
     on_bone_ = count;
+    for (std::size_t k = 1; k < kSegmentCount; ++k) {
+        const std::size_t b = static_cast<std::size_t>(Bone::upper_arm_left) + k - 1;
+        seen_[k] = std::min(1.0f, static_cast<float>(count[b]) /
+                                      expected_points(evidence, model, static_cast<Bone>(b)));
+    }
 }
 
 void ModelFit::add_modes(const FitEvidence& evidence, const JointedModel& model, float weight) {
@@ -193,6 +202,50 @@ void ModelFit::pull_direction(const JointedModel& model, Segment segment, const 
     }
 }
 
+// The less of a limb is seen, the more it is where limbs tend to be: as the other side is, if that
+// is seen, or hanging.
+void ModelFit::pull_to_rest(const JointedModel& model, const RestDirection& rest) {
+    const auto s = static_cast<std::size_t>(rest.segment);
+    vec3 target = rest.target;
+    int frame_unknown = rest.frame_unknown;
+    float weight = 1 / (rest.sigma * rest.sigma);
+    if (s > 0 && (s - 1) % 3 < 2) {  // hands and feet follow what they hang on
+        const bool leg = rest.segment >= Segment::thigh_left;
+        const std::size_t other = (s - 1) % 6 < 3 ? s + 3 : s - 3;
+        const float hidden = (1 - seen_[s]) / (leg ? kHiddenLegSigma : kHiddenArmSigma);
+        weight += hidden * hidden;
+        const float mirror = (leg ? kMirrorLeg : kMirrorArm) * (1 - seen_[s]) * seen_[other];
+        if (mirror > 0) {
+            const glm::mat3& frame = leg ? model.pose.pelvis : model.pose.chest;
+            vec3 across = glm::transpose(frame) * model.pose.direction[other];
+            across.x = -across.x;
+            target = unit_or(glm::mix(target, frame * across, mirror), target);
+            frame_unknown = leg ? kPelvisUnknown : kChestUnknown;
+        }
+    }
+    pull_direction(model, rest.segment, target, frame_unknown, static_cast<double>(weight));
+}
+
+void ModelFit::keep_legs_apart(const JointedModel& model) {
+    constexpr float kSigmaM = 0.03f;
+    for (int k = 0; k < 2; ++k) {
+        const auto left = static_cast<Bone>(static_cast<int>(Bone::thigh_left) + k);
+        const auto right = static_cast<Bone>(static_cast<int>(Bone::thigh_right) + k);
+        const BoneShape &a = bone_shape(left), &b = bone_shape(right);
+        for (const float t : {0.5f, 1.0f}) {
+            const vec3 away = glm::mix(model.node[a.from], model.node[a.to], t) -
+                              glm::mix(model.node[b.from], model.node[b.to], t);
+            const float distance = glm::length(away);
+            const float least = kLegsApart * (model.radius_m(left, t) + model.radius_m(right, t));
+            if (distance >= least || distance < 1e-4f) continue;
+            const vec3 n = away / distance;
+            const float half = 0.5f * (least - distance);
+            system_.add_on_bone(left, t, n, 0, half, 1 / (kSigmaM * kSigmaM));
+            system_.add_on_bone(right, t, -n, 0, half, 1 / (kSigmaM * kSigmaM));
+        }
+    }
+}
+
 void ModelFit::add_body_knowledge(const FitEvidence& evidence, const JointedModel& model) {
     const JointedPose& pose = model.pose;
     // The spine bends, but not much.
@@ -206,10 +259,8 @@ void ModelFit::add_body_knowledge(const FitEvidence& evidence, const JointedMode
     for (int k = 0; k < 3; ++k) {
         system_.add({{kPelvisUnknown + k, 1.0}}, static_cast<double>(lean[k]), 1 / (1.0 * 1.0));
     }
-    for (const RestDirection& rest : rest_directions(pose)) {
-        pull_direction(model, rest.segment, rest.target, rest.frame_unknown,
-                       1 / static_cast<double>(rest.sigma * rest.sigma));
-    }
+    for (const RestDirection& rest : rest_directions(pose)) pull_to_rest(model, rest);
+    keep_legs_apart(model);
     constexpr double kLimitWeight = 1 / (0.1 * 0.1);
     for (const DirectionLimit& limit : direction_limits(pose)) {
         const auto s = static_cast<std::size_t>(limit.segment);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "skeleton/people/person.h"
+#include "skeleton/tracking/body_limits.h"
 #include "skeleton/tracking/fit_system.h"
 #include "skeleton/tracking/free_space.h"
 #include "skeleton/tracking/jointed_model.h"
@@ -76,12 +77,16 @@ class ModelFit {
     void add_modes(const FitEvidence& evidence, const JointedModel& model, float weight);
     void add_space(const FitEvidence& evidence, const JointedModel& model);
     void add_body_knowledge(const FitEvidence& evidence, const JointedModel& model);
+    void pull_to_rest(const JointedModel& model, const RestDirection& rest);
+    void keep_legs_apart(const JointedModel& model);
     void add_prior(const FitPrior& prior, const JointedModel& model, bool shape);
     void pull_direction(const JointedModel& model, Segment segment, const glm::vec3& target,
                         int frame_unknown, double weight);
 
     FitSystem system_;
     std::array<int, kBoneCount> on_bone_{};
+    /// Of the points that a segment would have, were it seen whole.
+    std::array<float, kSegmentCount> seen_{};
     std::vector<std::uint8_t> chosen_;  // candidate of each point
     int free_ = kPoseUnknowns;
 };

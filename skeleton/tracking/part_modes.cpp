@@ -78,6 +78,24 @@ void PartModes::find(const PartPoints& points, float cell_tangent, const ModeOpt
         std::ranges::stable_sort(
             modes, [](const PartMode& a, const PartMode& b) { return a.weight_m2 > b.weight_m2; });
     }
+    drop_mirrored(options);
+}
+
+void PartModes::drop_mirrored(const ModeOptions& options) {
+    const auto weaker = [&](const PartMode& mode, const std::vector<PartMode>& others) {
+        return std::ranges::any_of(others, [&](const PartMode& other) {
+            const glm::vec3 d = mode.surface_m - other.surface_m;
+            return glm::dot(d, d) < options.mirror_m * options.mirror_m &&
+                   other.weight_m2 > options.mirror_ratio * mode.weight_m2;
+        });
+    };
+    for (std::size_t part = 0; part < kBodyPartCount; ++part) {
+        const auto other = static_cast<std::size_t>(mirrored(static_cast<BodyPart>(part)));
+        if (other <= part) continue;
+        const std::vector<PartMode> left = modes_[part];
+        std::erase_if(modes_[part], [&](const auto& m) { return weaker(m, modes_[other]); });
+        std::erase_if(modes_[other], [&](const auto& m) { return weaker(m, left); });
+    }
 }
 
 }  // namespace kino

@@ -23,6 +23,9 @@ struct ModeOptions {
     float apart_m = 0.10f;  ///< another start lies at least so far from the modes found
     float stop_m = 0.0005f;
     int points_per_part = 96;  ///< thinned to about so many
+    /// A mode goes if the other side's same part has one within so much that weighs so much more:
+    /// there is one limb, and the forest is not sure which.
+    float mirror_m = 0.08f, mirror_ratio = 1.2f;
 };
 
 /// The modes of each part, the heaviest first: weighted mean shift (Comaniciu & Meer 2002) with a
@@ -42,6 +45,8 @@ class PartModes {
         float weight;
         bool start;
     };
+    void drop_mirrored(const ModeOptions& options);
+
     std::array<std::vector<PartMode>, kBodyPartCount> modes_;
     std::array<std::vector<Weighted>, kBodyPartCount> points_;
 };

@@ -20,7 +20,7 @@ struct PersonView {
 };
 
 struct SkeletonOptions {
-    int rounds = 5;  ///< of the fit
+    int rounds = 2;  ///< of the fit; more fit what the forest gets wrong, too
     int points_per_part = 36;
     double learn_s = 2.5;  ///< bone lengths are free for so long
     float hold = 0.012f;   ///< and then stay within this share
