@@ -197,8 +197,10 @@ MeshList MeshDrawer::prepare(FrameGraph& graph, const Scene& scene, const View& 
                              const MeshListOptions& options) const {
     MeshList list{.options = options, .view = mesh_view(view)};
     if (!state_->device.info().has_multi_draw) list.options.submit = MeshSubmit::fixed_function;
-    if (list.options.submit != MeshSubmit::multi_draw) {
-        // Draws one by one have no number.
+    // Draws one by one have no number; only they can push one.
+    const bool one_call_each = list.options.submit == MeshSubmit::one_call_each;
+    const bool pushes = options.carrier == DrawIdCarrier::pushed;
+    if (list.options.submit == MeshSubmit::multi_draw ? pushes : !(pushes && one_call_each)) {
         list.options.carrier = DrawIdCarrier::first_instance;
     }
     if (list.options.carrier == DrawIdCarrier::instance) {
@@ -238,9 +240,11 @@ MeshList MeshDrawer::prepare(FrameGraph& graph, const Scene& scene, const View& 
         row_of_draw.resize(rows);
         std::iota(row_of_draw.begin(), row_of_draw.end(), 0u);
     }
+    const bool numbered = list.options.carrier == DrawIdCarrier::draw_id ||
+                          list.options.carrier == DrawIdCarrier::attribute;
     const auto write = [&]() -> Result<void> {
         KINO_TRY(write_all(state_->device, memory.rows, "mesh rows", table.rows));
-        if (list.options.carrier != DrawIdCarrier::first_instance) {
+        if (numbered) {
             KINO_TRY(
                 write_all(state_->device, memory.row_of_draw, "mesh row of draw", row_of_draw));
         }
@@ -264,9 +268,8 @@ MeshList MeshDrawer::prepare(FrameGraph& graph, const Scene& scene, const View& 
     list.indices = graph.import_buffer("mesh indices", state_->pool.indices());
     list.texels = table.textured ? graph.import_buffer("mesh textures", state_->pool.texels())
                                  : list.vertices;
-    list.row_of_draw = list.options.carrier == DrawIdCarrier::first_instance
-                           ? list.rows
-                           : graph.import_buffer("mesh row of draw", memory.row_of_draw);
+    list.row_of_draw =
+        numbered ? graph.import_buffer("mesh row of draw", memory.row_of_draw) : list.rows;
     list.skinned = list.vertices;
     if (!table.skins.empty()) {
         list.skinned = add_skinning(graph, table, list.vertices,

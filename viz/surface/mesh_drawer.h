@@ -40,7 +40,8 @@ enum class DrawIdCarrier : std::uint8_t {
     attribute,       ///< an instance-rate attribute, as the source has it
     /// No draws at all but instances of one: for lists whose rows all show one mesh (checked by
     /// nobody). Not culled. The rival where nothing differs from draw to draw.
-    instance
+    instance,
+    pushed  ///< one call each only: a push constant before every call, as engines do
 };
 
 struct MeshListOptions {

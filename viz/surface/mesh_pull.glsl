@@ -15,6 +15,7 @@ uint row_of_this_draw() {
     }
     // One draw of many instances; everywhere else gl_InstanceIndex would add the instance to the id.
     if (kCarrier == KINO_CARRIER_INSTANCE) return uint(gl_InstanceIndex);
+    if (kCarrier == KINO_CARRIER_PUSHED) return view.first_row;
     return uint(gl_BaseInstanceARB);
 #endif
 }

@@ -41,6 +41,8 @@ std::uint32_t carrier_of(const MeshList& list) {
             return KINO_CARRIER_DRAW_ID;
         case DrawIdCarrier::instance:
             return KINO_CARRIER_INSTANCE;
+        case DrawIdCarrier::pushed:
+            return KINO_CARRIER_PUSHED;
         case DrawIdCarrier::first_instance:
         case DrawIdCarrier::attribute:
             break;
@@ -166,6 +168,12 @@ bool MeshDrawer::record(PassContext& context, const MeshList& list, const MeshSh
             break;
         case MeshSubmit::one_call_each:
             for (const VkDrawIndexedIndirectCommand& call : *list.calls) {
+                if (list.options.carrier == DrawIdCarrier::pushed) {
+                    shared::MeshView numbered = list.view;
+                    numbered.first_row = call.firstInstance;
+                    std::memcpy(push.data(), &numbered, kMeshPushBytes);
+                    commands.constants(std::span<const std::byte>(push));
+                }
                 commands.draw_indexed(call);
             }
             break;

@@ -80,6 +80,7 @@ static_assert(sizeof(kino::shared::MeshCull) == 80);
 #define KINO_CARRIER_DRAW_ID 1u
 #define KINO_CARRIER_ATTRIBUTE 2u
 #define KINO_CARRIER_INSTANCE 3u
+#define KINO_CARRIER_PUSHED 4u
 // Culled draws stay with no instance, or the others move up in order.
 #define KINO_CULL_ZERO_INSTANCE 0u
 #define KINO_CULL_COMPACT 1u

@@ -31,6 +31,9 @@ TEST_F(DrawsTest, EveryWayToSubmitCullAndNumberDrawsMakesTheSamePicture) {
     EXPECT_TRUE(same(reference, world.draw(scene, forward(),
                                            {.submit = MeshSubmit::one_call_each,
                                             .culling = MeshCulling::none})));
+    EXPECT_TRUE(same(reference, world.draw(scene, forward(),
+                                           {.submit = MeshSubmit::one_call_each,
+                                            .carrier = DrawIdCarrier::pushed})));
     for (const MeshCulling culling :
          {MeshCulling::none, MeshCulling::zero_instance, MeshCulling::compact}) {
         for (const DrawIdCarrier carrier :

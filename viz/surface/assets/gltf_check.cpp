@@ -11,6 +11,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint64_t kWords = std::uint64_t{1} << 32;
+
 /// Copies what is known and sound from the file's JSON, place by place; the first fault ends it.
 class Checker {
   public:
@@ -45,7 +47,7 @@ class Checker {
         return found == in_.end() ? 0 : found->size();
     }
 
-    /// A number below `limit`, or below 2^32 where that is 0.
+    /// A whole number below `limit`.
     Result<void> number(const json& from, json& to, const char* key, const std::string& at,
                         bool wanted, std::uint64_t limit) {
         const auto found = from.find(key);
@@ -53,9 +55,8 @@ class Checker {
             if (wanted) return bad(fmt::format("'{}' is missing", key), at);
             return {};
         }
-        const std::uint64_t below = limit == 0 ? std::uint64_t{1} << 32 : limit;
-        if (!found->is_number_unsigned() || found->get<std::uint64_t>() >= below) {
-            return bad(fmt::format("'{}' is not a number below {}", key, below), at);
+        if (!found->is_number_unsigned() || found->get<std::uint64_t>() >= limit) {
+            return bad(fmt::format("'{}' is not a number below {}", key, limit), at);
         }
         to[key] = *found;
         return {};
@@ -63,10 +64,7 @@ class Checker {
     /// An index into one of the file's lists.
     Result<void> index(const json& from, json& to, const char* key, const std::string& at,
                        bool wanted, const char* list) {
-        if (from.contains(key) && count(list) == 0) {
-            return bad(fmt::format("'{}' names one of no {}", key, list), at);
-        }
-        return number(from, to, key, at, wanted, std::max<std::size_t>(count(list), 1));
+        return number(from, to, key, at, wanted, count(list));
     }
     /// A list of indices, each once.
     Result<void> indices(const json& from, json& to, const char* key, const std::string& at,
@@ -101,27 +99,26 @@ class Checker {
         to[key] = *found;
         return {};
     }
-    Result<void> factor(const json& from, json& to, const char* key, const std::string& at) {
-        const auto found = from.find(key);
-        if (found == from.end()) return {};
-        if (!found->is_number() || !(std::abs(found->get<double>()) < 1e30)) {
-            return bad(fmt::format("'{}' is not a number", key), at);
-        }
-        to[key] = *found;
+    Result<void> kept_if(bool sound, const json& from, json& to, const char* key,
+                         const std::string& at) {
+        if (!from.contains(key)) return {};
+        if (!sound) return bad(fmt::format("'{}' is of another kind", key), at);
+        to[key] = from[key];
         return {};
     }
+    Result<void> factor(const json& from, json& to, const char* key, const std::string& at) {
+        const json value = from.value(key, json());
+        return kept_if(value.is_number() && std::abs(value.get<double>()) < 1e30, from, to, key,
+                       at);
+    }
     Result<void> text(const json& from, json& to, const char* key, const std::string& at) {
-        const auto found = from.find(key);
-        if (found == from.end()) return {};
-        if (!found->is_string()) return bad(fmt::format("'{}' is no text", key), at);
-        to[key] = *found;
-        return {};
+        return kept_if(from.value(key, json()).is_string(), from, to, key, at);
     }
 
     Result<void> asset() {
         const auto found = in_.find("asset");
-        if (found == in_.end() || !found->is_object() || !found->contains("version") ||
-            !(*found)["version"].is_string()) {
+        if (found == in_.end() || !found->is_object() ||
+            !found->value("version", json()).is_string()) {
             return bad("not a glTF file: it names no version", "/asset");
         }
         if (!(*found)["version"].get_ref<const std::string&>().starts_with("2.")) {
@@ -169,8 +166,8 @@ class Checker {
             const std::string at = fmt::format("/bufferViews/{}", i);
             json to = json::object();
             KINO_TRY(index(from, to, "buffer", at, true, "buffers"));
-            KINO_TRY(number(from, to, "byteOffset", at, false, 0));
-            KINO_TRY(number(from, to, "byteLength", at, true, 0));
+            KINO_TRY(number(from, to, "byteOffset", at, false, kWords));
+            KINO_TRY(number(from, to, "byteLength", at, true, kWords));
             KINO_TRY(number(from, to, "byteStride", at, false, 253));
             const std::uint64_t size = document_.buffers[to["buffer"].get<std::size_t>()].size();
             const std::uint64_t offset = to.value("byteOffset", std::uint64_t{0});
@@ -190,14 +187,12 @@ class Checker {
             if (from.contains("sparse")) return bad("sparse accessors are not read", at);
             json to = json::object();
             KINO_TRY(index(from, to, "bufferView", at, true, "bufferViews"));
-            KINO_TRY(number(from, to, "byteOffset", at, false, 0));
-            KINO_TRY(number(from, to, "count", at, true, 0));
+            KINO_TRY(number(from, to, "byteOffset", at, false, kWords));
+            KINO_TRY(number(from, to, "count", at, true, kWords));
             KINO_TRY(number(from, to, "componentType", at, true, 5127));
             KINO_TRY(text(from, to, "type", at));
-            if (from.contains("normalized")) {
-                if (!from["normalized"].is_boolean()) return bad("'normalized' is no bool", at);
-                to["normalized"] = from["normalized"];
-            }
+            KINO_TRY(
+                kept_if(from.value("normalized", json()).is_boolean(), from, to, "normalized", at));
             static constexpr std::array<std::pair<const char*, std::uint64_t>, 5> kTypes = {
                 {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}};
             std::uint64_t parts = 0;
@@ -205,11 +200,9 @@ class Checker {
                 if (to.value("type", std::string()) == name) parts = number_of;
             }
             const auto component = to["componentType"].get<std::uint64_t>();
-            const std::uint64_t bytes = component == 5120 || component == 5121   ? 1
-                                        : component == 5122 || component == 5123 ? 2
-                                        : component == 5125 || component == 5126 ? 4
-                                                                                 : 0;
-            if (parts == 0 || bytes == 0) return bad("an unknown kind of numbers", at);
+            const bool known = component >= 5120 && component != 5124;
+            const std::uint64_t bytes = component < 5122 ? 1 : component < 5124 ? 2 : 4;
+            if (parts == 0 || !known) return bad("an unknown kind of numbers", at);
             const json& view = out_["bufferViews"][to["bufferView"].get<std::size_t>()];
             const std::uint64_t element = parts * bytes;
             const std::uint64_t stride = view.value("byteStride", element);
@@ -271,33 +264,32 @@ class Checker {
         std::size_t vertices = 0;
         std::size_t corners = 0;
         std::size_t primitives_seen = 0;
+        bool morphs = false;
         for (std::size_t i = 0; i < count("meshes"); ++i) {
             const json& from = in_["meshes"][i];
             json to = json::object();
             KINO_TRY(text(from, to, "name", fmt::format("/meshes/{}", i)));
             to["primitives"] = json::array();
-            const auto primitives = from.find("primitives");
-            if (primitives == from.end() || !primitives->is_array()) {
+            const json primitives = from.value("primitives", json());
+            if (!primitives.is_array()) {
                 return bad("a mesh without primitives", fmt::format("/meshes/{}", i));
             }
-            primitives_seen += primitives->size();
+            primitives_seen += primitives.size();
             if (primitives_seen > limits_.items) return bad("too many primitives", "/meshes");
-            for (std::size_t k = 0; k < primitives->size(); ++k) {
-                const json& primitive = (*primitives)[k];
+            for (std::size_t k = 0; k < primitives.size(); ++k) {
+                const json& primitive = primitives[k];
                 const std::string at = fmt::format("/meshes/{}/primitives/{}", i, k);
                 if (!primitive.is_object()) return bad("not an object", at);
                 json out = json::object();
                 KINO_TRY(number(primitive, out, "mode", at, false, 7));
                 KINO_TRY(index(primitive, out, "material", at, false, "materials"));
                 KINO_TRY(index(primitive, out, "indices", at, false, "accessors"));
-                const auto attributes = primitive.find("attributes");
-                if (attributes == primitive.end() || !attributes->is_object()) {
-                    return bad("a primitive without attributes", at);
-                }
+                const json attributes = primitive.value("attributes", json());
+                if (!attributes.is_object()) return bad("a primitive without attributes", at);
                 out["attributes"] = json::object();
                 for (const char* name : {"POSITION", "NORMAL", "TEXCOORD_0", "JOINTS_0",
                                          "WEIGHTS_0", "JOINTS_1", "WEIGHTS_1"}) {
-                    KINO_TRY(index(*attributes, out["attributes"], name, at, false, "accessors"));
+                    KINO_TRY(index(attributes, out["attributes"], name, at, false, "accessors"));
                 }
                 const json& kept = out["attributes"];
                 if (!kept.contains("POSITION")) return bad("vertices without positions", at);
@@ -323,12 +315,12 @@ class Checker {
                                 fmt::format("at most {} vertices and {} corners", limits_.vertices,
                                             limits_.indices));
                 }
-                if (primitive.contains("targets")) morphs_ = true;
+                if (primitive.contains("targets")) morphs = true;
                 to["primitives"].push_back(std::move(out));
             }
             out_["meshes"].push_back(std::move(to));
         }
-        if (morphs_) notes_.emplace_back("morph targets are not drawn");
+        if (morphs) notes_.emplace_back("morph targets are not drawn");
         return {};
     }
 
@@ -343,10 +335,10 @@ class Checker {
             KINO_TRY(indices(from, to, "children", at, "nodes"));
             KINO_TRY(index(from, to, "mesh", at, false, "meshes"));
             KINO_TRY(index(from, to, "skin", at, false, "skins"));
-            KINO_TRY(floats(from, to, "matrix", at, 16));
-            KINO_TRY(floats(from, to, "translation", at, 3));
-            KINO_TRY(floats(from, to, "rotation", at, 4));
-            KINO_TRY(floats(from, to, "scale", at, 3));
+            for (const auto& [key, numbers] : {std::pair("matrix", 16), std::pair("translation", 3),
+                                               std::pair("rotation", 4), std::pair("scale", 3)}) {
+                KINO_TRY(floats(from, to, key, at, static_cast<std::size_t>(numbers)));
+            }
             for (const json& child : to.value("children", json::array())) {
                 int& parent = parents[child.get<std::size_t>()];
                 if (parent >= 0) return bad("a node has two parents", at);
@@ -426,9 +418,7 @@ class Checker {
                     return bad("a channel without a target", at + "/channels");
                 }
                 json out = json::object();
-                KINO_TRY(number(channel, out, "sampler", at, true,
-                                std::max<std::size_t>(from["samplers"].size(), 1)));
-                if (from["samplers"].empty()) return bad("a channel without a sampler", at);
+                KINO_TRY(number(channel, out, "sampler", at, true, from["samplers"].size()));
                 KINO_TRY(index(channel["target"], out["target"], "node", at, false, "nodes"));
                 KINO_TRY(text(channel["target"], out["target"], "path", at));
                 // Extensions animate other things than nodes.
@@ -448,7 +438,6 @@ class Checker {
     std::string where_;
     const GltfLimits& limits_;
     std::vector<std::string>& notes_;
-    bool morphs_ = false;
 };
 
 }  // namespace
