@@ -24,9 +24,21 @@ constexpr Entry kEntries[] = {
 #ifdef KINO_BENCH_CODECS
     {"codecs", "lossless codecs of sessions against zstd, lz4, PNG and RVL", &bench_codecs},
 #endif
+#ifdef KINO_BENCH_LBVH
+    {"lbvh", "rays through the stackless tree against stack, Embree and loops; ray-cast shadows",
+     &bench_lbvh},
+#endif
 #ifdef KINO_BENCH_RASTER
     {"raster", "drawing paths against the hardware path and the double-precision rasteriser",
      &bench_raster},
+#endif
+#ifdef KINO_BENCH_VERTEX_PULLING
+    {"vertex-pulling", "many draws in one call against one call each and fixed vertex input",
+     &bench_vertex_pulling},
+#endif
+#ifdef KINO_BENCH_FRAMEBUFFER_LOD
+    {"framebuffer-lod", "geometry-aware resizing against shading every pixel and bilinear resizing",
+     &bench_framebuffer_lod},
 #endif
 #ifdef KINO_BENCH_REGISTRATION
     {"registration", "depth to colour against the double reference and OpenCV",
@@ -41,6 +53,10 @@ constexpr Entry kEntries[] = {
 #endif
 #ifdef KINO_BENCH_BODIES
     {"bodies", "joints of tracked bodies: error, jitter, lag and time", &bench_bodies, "skeleton"},
+#endif
+#ifdef KINO_BENCH_FORWARD_PLUS
+    {"forward-plus", "lights in lists against deferred, clustered, host lists and brute force",
+     &bench_forward_plus},
 #endif
     {"", "", &no_entry, {}},
 };
