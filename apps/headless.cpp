@@ -133,7 +133,8 @@ Result<void> HeadlessRun::keep(const Image<Rgba8>& picture, TimeNs duration, con
 Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
     KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, {.mode = options_.loop,
                                                             .filters = options_.filters,
-                                                            .bodies = options_.bodies}));
+                                                            .bodies = options_.bodies,
+                                                            .calibration = options_.calibration}));
     Stepper stepper(std::move(opened));
     const std::int64_t frames = options_.frames.value_or(natural_length(stepper));
     std::error_code error;

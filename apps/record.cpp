@@ -11,9 +11,11 @@
 #include <thread>
 #include <vector>
 
+#include "apps/calibration_option.h"
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
+#include "apps/pipeline/found_calibration.h"
 #include "apps/pipeline/opened_source.h"
 #include "apps/sources.h"
 #include "apps/view_options.h"
@@ -35,6 +37,7 @@ struct RecordOptions {
     std::optional<std::int64_t> frames;
     SessionCodec codec = SessionCodec::ffv1;
     BodyOptions bodies;
+    std::string calibration;
     bool json = false;
 };
 
@@ -202,7 +205,9 @@ Result<Recorded> record(const RecordOptions& options) {
     std::erase_if(streams, [](StreamId id) {
         return id.kind == StreamKind::bodies || id.kind == StreamKind::motion;
     });
-    KINO_ASSIGN(const RigParameters rig, source->calibration());
+    KINO_ASSIGN(const FoundCalibration calibration, find_calibration(*source, options.calibration));
+    tell_of(calibration);
+    const RigParameters& rig = calibration.rig;
     KINO_ASSIGN(const auto desk, BodyDesk::create(options.bodies, rig));
     KINO_ASSIGN(const auto recorder,
                 Recorder::create(options.out, source->info(), rig,
@@ -262,6 +267,7 @@ Command add_record(CLI::App& parent) {
         ->type_name("N");
     add_codec_option(app, options->codec);
     add_body_options(app, options->bodies);
+    add_calibration_option(app, options->calibration);
     app.add_flag("--json", options->json, "print the outcome as JSON");
     app.footer(
         "Sessions are Matroska files (docs/session-format.md). Whatever happens to the "

@@ -26,7 +26,8 @@ struct ReplayOptions {
     std::optional<ViewKind> view;
     std::optional<ColorMode> color;
     std::optional<LoopMode> loop;
-    std::string filters;  ///< of depth, as DepthFilterChain::parse() reads them
+    std::string filters;      ///< of depth, as DepthFilterChain::parse() reads them
+    std::string calibration;  ///< as find_calibration() reads it
     BodyOptions bodies;
     std::filesystem::path record;  ///< live: a session that is written from the start
     SessionCodec codec = SessionCodec::ffv1;

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "apps/calibration_option.h"
 #include "apps/exit_codes.h"
 #include "apps/headless.h"
 #include "apps/interrupt.h"
@@ -94,6 +95,7 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
         ->check(CLI::Range(-1, 1 << 30))
         ->type_name("N");
     add_body_options(app, options->bodies);
+    add_calibration_option(app, options->calibration);
     app.add_option_function<std::string>(
            "--size",
            [options](const std::string& text) {

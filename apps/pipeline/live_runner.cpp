@@ -25,7 +25,7 @@ LiveRunner::LiveRunner(OpenedSource opened, LiveRunnerOptions options)
         playback_->set_speed(options.speed, now);
     }
     info_ = opened_.source->info();
-    if (auto rig = opened_.source->calibration()) rig_ = std::move(*rig);
+    rig_ = opened_.calibration.rig;
     for (const StreamId id : opened_.streams) {
         if (is_picture(id.kind)) pictures_.push_back(id);
     }

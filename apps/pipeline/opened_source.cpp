@@ -25,10 +25,12 @@ Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
                                          const PlayOptions& options) {
     const std::string uri = source->info().uri;
     KINO_ASSIGN(std::vector<StreamId> streams, subscribe_what_goes(*source));
-    auto rig = source->calibration();
-    if (!rig) return fail(rig.error(), uri);
+    auto calibration = find_calibration(*source, options.calibration);
+    if (!calibration) return fail(calibration.error(), uri);
+    tell_of(*calibration);
     KINO_ASSIGN(DepthFilterChain filters, DepthFilterChain::parse(options.filters));
-    auto processor = Processor::create(*rig, {}, std::move(filters));
+    KINO_ASSIGN(const auto bias, bias_beside(calibration->file, calibration->rig.serial));
+    auto processor = Processor::create(calibration->rig, {}, std::move(filters), bias);
     if (!processor) return fail(processor.error(), uri);
     LoopMode mode = LoopMode::loop;
     if (options.mode) {
@@ -39,8 +41,9 @@ Result<OpenedSource> prepare_for_playing(std::unique_ptr<Source> source,
     BodyOptions of_bodies = options.bodies;
     of_bodies.seated = of_bodies.seated || source->info().seated_people;
     KINO_ASSIGN(auto bodies, BodyStage::create(of_bodies, processor->rig()));
-    return OpenedSource{std::move(source), std::move(*processor), mode, std::move(streams),
-                        of_bodies,         std::move(bodies)};
+    return OpenedSource{
+        std::move(source), std::move(*processor),  mode, std::move(streams), of_bodies,
+        std::move(bodies), std::move(*calibration)};
 }
 
 Result<OpenedSource> open_for_playing(const std::string& uri, const PlayOptions& options) {

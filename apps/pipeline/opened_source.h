@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/pipeline/body_stage.h"
+#include "apps/pipeline/found_calibration.h"
 #include "apps/pipeline/processor.h"
 #include "sensor/playback.h"
 #include "sensor/source.h"
@@ -21,6 +22,7 @@ struct OpenedSource {
     std::vector<StreamId> streams;        ///< that are subscribed
     BodyOptions body_options;             ///< what switching bodies on goes by
     std::unique_ptr<BodyStage> bodies{};  ///< null: off
+    FoundCalibration calibration{};       ///< of the source's own pictures, before any filter
 };
 
 /// How a source is to be played.
@@ -28,14 +30,16 @@ struct PlayOptions {
     std::optional<LoopMode> mode;  ///< empty: natural_loop()
     std::string filters;           ///< as DepthFilterChain::parse() reads them
     BodyOptions bodies;
+    std::string calibration{};  ///< as find_calibration() reads it
 };
 
 /// Subscribes to every stream; a device's that exclude each other as far as they go together, in
 /// the order in which it lists them. Returns those that were subscribed.
 [[nodiscard]] Result<std::vector<StreamId>> subscribe_what_goes(Source& source);
 
-/// Opens, subscribes, calibrates. Streams that cannot be had beside the others (a Kinect v1 sends
-/// colour or infrared) are left out.
+/// Opens, subscribes, calibrates; says on stderr which file the calibration came from, if any.
+/// Streams that cannot be had beside the others (a Kinect v1 sends colour or infrared) are left
+/// out.
 [[nodiscard]] Result<OpenedSource> open_for_playing(const std::string& uri,
                                                     const PlayOptions& options = {});
 

@@ -11,7 +11,8 @@ Result<std::unique_ptr<Playing>> Playing::open(const std::string& uri,
                                                const PlayingOptions& options) {
     KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, {.mode = options.loop,
                                                             .filters = options.filters,
-                                                            .bodies = options.bodies}));
+                                                            .bodies = options.bodies,
+                                                            .calibration = options.calibration}));
     std::unique_ptr<Playing> playing(new Playing());
     playing->info_ = opened.source->info();
     playing->rig_ = opened.processor.rig().parameters();

@@ -15,7 +15,8 @@ struct PlayingOptions {
     double speed = 1;
     std::string filters;  ///< as DepthFilterChain::parse() reads them
     BodyOptions bodies;
-    bool stepped = false;  ///< the clock waits for the pictures instead of the other way round
+    std::string calibration{};  ///< as find_calibration() reads it
+    bool stepped = false;       ///< the clock waits for the pictures instead of the other way round
 };
 
 /// One source being played in the window, live or stepped.

@@ -97,6 +97,7 @@ Result<void> Viewer::open(std::size_t index) {
                                                            .speed = options_.speed,
                                                            .filters = options_.filters,
                                                            .bodies = options_.bodies,
+                                                           .calibration = options_.calibration,
                                                            .stepped = options_.stepped}));
     desk_.reset();
     playing_ = std::move(playing);
