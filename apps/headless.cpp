@@ -14,6 +14,7 @@
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
 #include "apps/pipeline/stepper.h"
+#include "apps/stage_source.h"
 #include "apps/summary.h"
 #include "apps/viewer/scene_builder.h"
 #include "sensor/png_io.h"
@@ -71,6 +72,8 @@ class HeadlessRun {
     HeadlessRun(const ReplayOptions& options, gpu::Device& device, Summary& summary)
         : options_(options), renderer_(device), summary_(summary) {}
 
+    /// Fails where the scene of the options cannot be had.
+    Result<void> set_stage();
     Result<void> play(const std::string& uri, const fs::path& folder);
     Result<void> finish();
 
@@ -83,6 +86,7 @@ class HeadlessRun {
     Summary& summary_;
     SceneBuilder builder_;
     CameraControl camera_;
+    double last_time_s_ = 0;
     std::optional<VideoWriter> video_;
     bool video_tried_ = false;
 };
@@ -91,15 +95,18 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
                                       double time_s) {
     const bool first = !builder_.place();
     builder_.show(frame);
-    if (first) {
+    const bool moved = builder_.advance(time_s - std::exchange(last_time_s_, time_s));
+    if (first || moved) {
         camera_ = CameraControl{};
         camera_.kind = options_.view.value_or(ViewKind::orbit);
         camera_.reset(*builder_.place());
     }
-    const DrawOptions draw{.style = options_.style.value_or(DepthStyle::mesh),
-                           .splat_px = options_.splat_px.value_or(1),
+    const Director* director = builder_.director();
+    const SceneLive live = director != nullptr ? director->file().live : SceneLive{.splat_px = 1};
+    const DrawOptions draw{.style = options_.style.value_or(live.style),
+                           .splat_px = options_.splat_px.value_or(live.splat_px),
                            .color = options_.color};
-    if (frame.set.pose_origin == PoseOrigin::trajectory) {
+    if (director == nullptr && frame.set.pose_origin == PoseOrigin::trajectory) {
         camera_.orbit.follow(measure_place(frame).center, to_seconds(stepper.duration()));
     }
     camera_.orbit.set_time(time_s);
@@ -110,7 +117,9 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     frame_options.read_picture = true;
     SourceSummary& source = summary_.sources.back();
     source.color = builder_.color_mode(draw);
-    return renderer_.render_to_image(builder_.scene(draw), view, frame_options);
+    const Scene& scene = builder_.scene(draw);
+    if (director != nullptr) source.stage = {director->local_lights(), scene.meshes.size()};
+    return renderer_.render_to_image(scene, view, frame_options);
 }
 
 Result<void> HeadlessRun::keep(const Image<Rgba8>& picture, TimeNs duration, const fs::path& png) {
@@ -130,11 +139,20 @@ Result<void> HeadlessRun::keep(const Image<Rgba8>& picture, TimeNs duration, con
     return {};
 }
 
+Result<void> HeadlessRun::set_stage() {
+    if (options_.scene.empty()) return {};
+    KINO_ASSIGN(StageSet stage, open_stage(options_.scene));
+    builder_.put_on_stage(std::make_unique<Director>(std::move(stage)));
+    return {};
+}
+
 Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
-    KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, {.mode = options_.loop,
-                                                            .filters = options_.filters,
-                                                            .bodies = options_.bodies,
-                                                            .calibration = options_.calibration}));
+    KINO_ASSIGN(OpenedSource opened, open_with_people(uri,
+                                                      {.mode = options_.loop,
+                                                       .filters = options_.filters,
+                                                       .bodies = options_.bodies,
+                                                       .calibration = options_.calibration},
+                                                      options_.wants_people()));
     Stepper stepper(std::move(opened));
     const std::int64_t frames = options_.frames.value_or(natural_length(stepper));
     std::error_code error;
@@ -146,6 +164,7 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
     source.loop = stepper.opened().mode;
     source.pictures_hash = kHashStart;
     builder_.reset();
+    last_time_s_ = 0;
     renderer_.cut();
     TimeNs shown = 0;
     std::int64_t in_a_row = 0;
@@ -242,6 +261,10 @@ int replay_headless(const ReplayOptions& options) {
     int code = kExitDone;
     {
         HeadlessRun run(options, **device, summary);
+        if (const auto set = run.set_stage(); !set) {
+            complain(set.error());
+            return kExitFailed;
+        }
         for (std::size_t i = 0; i < options.uris.size() && !interrupted(); ++i) {
             const std::string& uri = options.uris[i];
             const fs::path folder = options.uris.size() == 1

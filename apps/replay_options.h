@@ -29,6 +29,10 @@ struct ReplayOptions {
     std::string filters;      ///< of depth, as DepthFilterChain::parse() reads them
     std::string calibration;  ///< as find_calibration() reads it
     BodyOptions bodies;
+    bool bodies_asked = false;  ///< --bodies was given
+    std::string scene;          ///< a bundled scene's name or a scene file; empty: none
+    /// A scene's roles follow joints, so people are looked for unless --bodies said otherwise.
+    [[nodiscard]] bool wants_people() const { return !scene.empty() && !bodies_asked; }
     std::filesystem::path record;  ///< live: a session that is written from the start
     SessionCodec codec = SessionCodec::ffv1;
     std::filesystem::path headless;  ///< empty: a window

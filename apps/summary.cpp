@@ -59,6 +59,8 @@ Json deterministic_json(const SourceSummary& s) {
             {"points", s.points},
             {"bodies", bodies_json(s.bodies)},
             {"pictures_fnv1a", fmt::format("{:016x}", s.pictures_hash)},
+            {"stage",
+             s.stage ? Json{{"lights", s.stage->lights}, {"meshes", s.stage->meshes}} : Json()},
             {"passes", s.passes},
             {"device_bytes", s.device_bytes}};
 }
@@ -125,6 +127,7 @@ Json to_json(const Summary& summary) {
               {"style", style_name(options.style.value_or(DepthStyle::mesh))},
               {"filters", options.filters},
               {"bodies", body_mode_name(options.bodies.mode)},
+              {"scene", options.scene},
               {"splat_px", options.splat_px.value_or(1)},
               {"view", view_name(options.view.value_or(ViewKind::orbit))},
               {"seeds", Json::object()},
@@ -157,6 +160,10 @@ std::string to_text(const Summary& summary) {
             }
             text +=
                 fmt::format("  people: {}; median ms {:.1f}\n", people, s.bodies.total.median_ms());
+        }
+        if (s.stage) {
+            text += fmt::format("  scene {}: {} lights, {} meshes at the end\n",
+                                summary.options.scene, s.stage->lights, s.stage->meshes);
         }
         for (const BodySummary::Seen& seen : s.bodies.gestures) {
             if (seen.event.phase == GesturePhase::change) continue;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -30,6 +31,12 @@ struct BodySummary {
     void add(const ProcessedFrame& frame);
 };
 
+/// What was on the stage in the last frame.
+struct StageSummary {
+    std::size_t lights = 0;  ///< local ones
+    std::size_t meshes = 0;
+};
+
 /// What is known about one source at the end of a headless run.
 struct SourceSummary {
     // The same in every stepped run on the same device:
@@ -44,6 +51,7 @@ struct SourceSummary {
     std::int64_t device_bytes = 0;
     std::string first_error;
     BodySummary bodies;
+    std::optional<StageSummary> stage;  ///< empty: none was asked for
     // Different every time; `arrive` is from the sensor to here, of devices only:
     TimeSeries arrive;
     TimeSeries read, color_conversion, filter, registration, render, render_device, write;

@@ -12,10 +12,12 @@
 #include "apps/headless.h"
 #include "apps/interrupt.h"
 #include "apps/sources.h"
+#include "apps/stage/bundled.h"
 #include "apps/viewer/keys.h"
 #include "apps/window/window_replay.h"
 #include "sensor/filters/depth_filter_chain.h"
 #include "skeleton/filters/body_filter.h"
+#include "viz/scene/scene_file.h"
 
 namespace kino {
 namespace {
@@ -96,6 +98,25 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
         ->type_name("N");
     add_body_options(app, options->bodies);
     add_calibration_option(app, options->calibration);
+    app.add_option("--scene", options->scene,
+                   "put people on this stage: a name (--list-scenes) or a scene file "
+                   "(docs/scenes.md); looks for bodies where none are recorded")
+        ->check([](const std::string& name) {
+            if (bundled_scene(name)) return std::string();
+            const auto read = read_scene_file(name);
+            return read ? std::string()
+                        : read.error().to_string() + "\nor one of:\n" + list_of_scenes();
+        })
+        ->type_name("NAME|FILE");
+    app.add_flag_callback(
+        "--list-scenes",
+        [] {
+            fmt::print("{}", list_of_scenes());
+            throw CLI::Success();
+        },
+        "what --scene knows");
+    app.parse_complete_callback(
+        [&app, options] { options->bodies_asked = app.count("--bodies") > 0; });
     app.add_option_function<std::string>(
            "--size",
            [options](const std::string& text) {
@@ -157,8 +178,9 @@ void add_tracking_options(CLI::App& app, BodyOptions& bodies) {
 }
 
 std::string view_footer() {
-    return "Without a display, what --headless out does is done.\n\nDepth filters:\n" +
-           DepthFilterChain::help() + "\nKeys in the window:\n" + keys_text();
+    return "Without a display, what --headless out does is done.\n\nScenes:\n" + list_of_scenes() +
+           "\nDepth filters:\n" + DepthFilterChain::help() + "\nKeys in the window:\n" +
+           keys_text();
 }
 
 int run_view(const ReplayOptions& options) {

@@ -71,7 +71,7 @@ std::uint32_t ids_of(const SceneRole& role, const StageProp& prop) {
 
 }  // namespace
 
-Director::Director(Stage stage) : stage_(std::move(stage)) {
+Director::Director(StageSet stage) : stage_(std::move(stage)) {
     for (SceneRole& role : stage_.file.roles) role.joints = joints_of(role);
     for (const SceneSwarm& swarm : stage_.file.swarms) swarms_.emplace_back(swarm);
     reset();
@@ -86,6 +86,7 @@ void Director::reset() {
     nodes_.clear();
     before_.clear();
     now_.clear();
+    shown_ = true;
     led_.clear();
     for (const SceneRole& role : stage_.file.roles) {
         auto& of_role = led_.emplace_back(Cast::kPlaces * role.joints.size());
@@ -314,8 +315,9 @@ void Director::step(const StageMoment& moment) {
     lights_.clear();
     nodes_.clear();
     local_lights_ = 0;
-    std::swap(before_, now_);
-    now_.assign(before_.size(), std::nullopt);
+    // What was never asked for was never shown, and nothing moved since then.
+    if (std::exchange(shown_, false)) std::swap(before_, now_);
+    now_.assign(std::max(before_.size(), now_.size()), std::nullopt);
 
     const glm::dmat4 world = world_from_stage_->matrix();
     std::uint32_t id = 1;
@@ -334,7 +336,8 @@ void Director::step(const StageMoment& moment) {
     }
 }
 
-void Director::fill(Scene& scene) const {
+void Director::fill(Scene& scene) {
+    shown_ = true;
     const SceneFile& file = stage_.file;
     const auto srgb = [](const SceneColor& c) { return glm::vec3(c.r, c.g, c.b) / 255.0f; };
     scene.meshes = nodes_;

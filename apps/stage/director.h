@@ -25,17 +25,19 @@ struct StageMoment {
 /// clock is asked. Nothing that it puts into a scene is not finite, whatever joints are.
 class Director {
   public:
-    explicit Director(Stage stage);
+    explicit Director(StageSet stage);
 
     /// A new source: everybody leaves, and the stage stands nowhere yet.
     void reset();
     void step(const StageMoment& moment);
     /// Meshes, materials, lights, colours. The live node and the bodies are left as they are,
     /// except that bodies are taken out where the scene shows no skeleton.
-    void fill(Scene& scene) const;
+    void fill(Scene& scene);
 
     [[nodiscard]] const SceneFile& file() const { return stage_.file; }
     [[nodiscard]] const Cast& cast() const { return cast_; }
+    /// A person was found, and the stage stands under them for good.
+    [[nodiscard]] bool found_person() const { return found_person_; }
     /// Empty before the first step.
     [[nodiscard]] const std::optional<Pose>& world_from_stage() const { return world_from_stage_; }
     /// World; where the scene's view begins. Only once the stage stands.
@@ -63,7 +65,7 @@ class Director {
                    const glm::vec3& color, double weight);
     [[nodiscard]] glm::dvec3 turned(const glm::dvec3& stage_direction) const;
 
-    Stage stage_;
+    StageSet stage_;
     std::vector<Swarm> swarms_;
     std::vector<std::vector<double>> swarm_presence_;
     std::vector<std::vector<Led>> led_;  ///< by role; by place and joint
@@ -74,6 +76,7 @@ class Director {
     std::size_t local_lights_ = 0;
     std::vector<Light> lights_;
     std::vector<MeshNode> nodes_;
+    bool shown_ = true;                                    ///< the last step's scene was asked for
     std::vector<std::optional<glm::dmat4>> before_, now_;  ///< world_from_object by id
 };
 

@@ -8,8 +8,11 @@
 #include <utility>
 
 #include "apps/stage/bundled.h"
+#include "apps/stage/cast.h"
 #include "apps/stage/chance.h"
 #include "apps/stage/stage_shapes.h"
+#include "sensor/file_bytes.h"
+#include "viz/surface/assets/gltf_loader.h"
 
 namespace kino {
 namespace {
@@ -109,13 +112,14 @@ std::vector<glm::dmat4> places_of(const SceneMesh& mesh) {
 /// Shapes that several objects have in common are made once.
 class Workshop {
   public:
-    explicit Workshop(std::filesystem::path folder) : folder_(std::move(folder)) {}
+    Workshop(std::filesystem::path folder, std::vector<Material>& materials)
+        : folder_(std::move(folder)), materials_(materials) {}
 
     /// The parts about the origin. `material` 0: the file's own, where it has any.
     Result<std::vector<StandingMesh>> parts(SceneShape shape, const glm::dvec3& size_m,
                                             const std::string& file, std::uint32_t material) {
         if (shape == SceneShape::gltf) {
-            return fail("glTF files cannot be read yet", (folder_ / file).string());
+            return model_parts(file, material);
         }
         auto& mesh = shapes_[{static_cast<int>(shape), size_m.x, size_m.y, size_m.z}];
         if (!mesh) mesh = make_stage_shape(shape, size_m);
@@ -123,18 +127,44 @@ class Workshop {
     }
 
   private:
+    /// A model at rest. Its materials come after those that are there.
+    Result<std::vector<StandingMesh>> model_parts(const std::string& file, std::uint32_t material) {
+        auto found = models_.find(file);
+        if (found == models_.end()) {
+            KINO_ASSIGN(const std::filesystem::path path, path_inside(folder_, file));
+            KINO_ASSIGN(const GltfModel model, load_gltf(path));
+            const auto first = static_cast<std::uint32_t>(materials_.size());
+            materials_.insert(materials_.end(), model.materials.begin(), model.materials.end());
+            std::vector<StandingMesh> parts;
+            for (MeshNode& node : mesh_nodes(model, {.first_material = first})) {
+                parts.push_back({.mesh = std::move(node.mesh),
+                                 .stage_from_object = node.world_from_object,
+                                 .material = node.material,
+                                 .pose = std::move(node.pose)});
+            }
+            found = models_.emplace(file, std::move(parts)).first;
+        }
+        std::vector<StandingMesh> parts = found->second;
+        for (StandingMesh& part : parts) {
+            if (material != 0) part.material = material;
+        }
+        return parts;
+    }
+
     std::filesystem::path folder_;
+    std::vector<Material>& materials_;
+    std::map<std::string, std::vector<StandingMesh>> models_;
     std::map<std::tuple<int, double, double, double>, std::shared_ptr<const MeshAsset>> shapes_;
 };
 
 }  // namespace
 
-Result<Stage> make_stage(SceneFile file, const std::filesystem::path& folder) {
-    Stage stage;
+Result<StageSet> make_stage(SceneFile file, const std::filesystem::path& folder) {
+    StageSet stage;
     for (const SceneMaterial& material : file.materials) {
         stage.materials.push_back(material_of(material));
     }
-    Workshop workshop(folder);
+    Workshop workshop(folder, stage.materials);
     for (const SceneMesh& mesh : file.meshes) {
         const std::uint32_t material = mesh.shape == SceneShape::gltf && mesh.material.empty()
                                            ? 0
@@ -153,8 +183,9 @@ Result<Stage> make_stage(SceneFile file, const std::filesystem::path& folder) {
         for (const std::string& name : role.prop->materials) {
             prop.materials.push_back(material_index(file, name));
         }
+        const bool own = role.prop->shape == SceneShape::gltf && prop.materials.empty();
         KINO_ASSIGN(prop.parts, workshop.parts(role.prop->shape, role.prop->size_m, role.prop->file,
-                                               material_index(file, {})));
+                                               own ? 0 : material_index(file, {})));
     }
     GlowMaterials glow(stage.materials);
     for (const SceneSwarm& swarm : file.swarms) {
@@ -168,6 +199,19 @@ Result<Stage> make_stage(SceneFile file, const std::filesystem::path& folder) {
                                          : std::vector<std::uint32_t>());
         if (drawn && !stage.stroke) stage.stroke = make_stroke();
     }
+    std::size_t standing = stage.standing.size();
+    for (std::size_t i = 0; i < stage.props.size(); ++i) {
+        const SceneRole& role = file.roles[i];
+        if (!role.prop) continue;
+        const std::size_t joints = role.joints.empty() ? kJointCount : role.joints.size();
+        standing += stage.props[i].parts.size() * static_cast<std::size_t>(role.prop->copies) *
+                    joints * Cast::kPlaces;
+    }
+    if (standing > static_cast<std::size_t>(kMaxStageNodes)) {
+        return fail(fmt::format("its models have {} parts in all, at most {} are possible",
+                                standing, kMaxStageNodes),
+                    file.name);
+    }
     if (stage.materials.size() > kMaxMaterials - 1) {
         return fail(fmt::format("needs {} materials, glowing colours included; at most {} are "
                                 "possible",
@@ -178,7 +222,7 @@ Result<Stage> make_stage(SceneFile file, const std::filesystem::path& folder) {
     return stage;
 }
 
-Result<Stage> open_stage(const std::string& name_or_file) {
+Result<StageSet> open_stage(const std::string& name_or_file) {
     if (const auto bundled = bundled_scene(name_or_file)) {
         KINO_ASSIGN(SceneFile file, scene_file_from_json(bundled->json, name_or_file));
         return make_stage(std::move(file), {});

@@ -25,7 +25,7 @@ struct StageProp {
 };
 
 /// A scene file with everything it needs at hand: meshes made or loaded, materials in order.
-struct Stage {
+struct StageSet {
     SceneFile file;
     std::vector<Material> materials;
     std::vector<StandingMesh> standing;
@@ -38,10 +38,10 @@ struct Stage {
 
 /// `folder`: where the files named in it are. Fails for files that cannot be had, and for more
 /// materials than there may be.
-[[nodiscard]] Result<Stage> make_stage(SceneFile file, const std::filesystem::path& folder);
+[[nodiscard]] Result<StageSet> make_stage(SceneFile file, const std::filesystem::path& folder);
 
 /// A bundled scene by its name, or a scene file.
-[[nodiscard]] Result<Stage> open_stage(const std::string& name_or_file);
+[[nodiscard]] Result<StageSet> open_stage(const std::string& name_or_file);
 
 /// Bits of Light::material_mask for names as in SceneLight::only.
 [[nodiscard]] std::uint32_t material_mask(const SceneFile& file,

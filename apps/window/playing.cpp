@@ -5,14 +5,18 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/stage_source.h"
+
 namespace kino {
 
 Result<std::unique_ptr<Playing>> Playing::open(const std::string& uri,
                                                const PlayingOptions& options) {
-    KINO_ASSIGN(OpenedSource opened, open_for_playing(uri, {.mode = options.loop,
-                                                            .filters = options.filters,
-                                                            .bodies = options.bodies,
-                                                            .calibration = options.calibration}));
+    KINO_ASSIGN(OpenedSource opened, open_with_people(uri,
+                                                      {.mode = options.loop,
+                                                       .filters = options.filters,
+                                                       .bodies = options.bodies,
+                                                       .calibration = options.calibration},
+                                                      options.wants_people));
     std::unique_ptr<Playing> playing(new Playing());
     playing->info_ = opened.source->info();
     playing->rig_ = opened.processor.rig().parameters();

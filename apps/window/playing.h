@@ -15,6 +15,7 @@ struct PlayingOptions {
     double speed = 1;
     std::string filters;  ///< as DepthFilterChain::parse() reads them
     BodyOptions bodies;
+    bool wants_people = false;  ///< bodies are looked for where none are recorded
     std::string calibration{};  ///< as find_calibration() reads it
     bool stepped = false;       ///< the clock waits for the pictures instead of the other way round
 };
@@ -39,6 +40,7 @@ class Playing {
 
     /// Its frames come when they come: it has no timeline.
     [[nodiscard]] bool is_device() const { return times_.empty(); }
+    [[nodiscard]] bool is_stepped() const { return stepped_; }
     /// Recorded time of frame `index` from the start; 0 for devices.
     [[nodiscard]] TimeNs time_of(std::int64_t index) const;
     /// All of one round of the loop; 0 for devices.

@@ -97,6 +97,7 @@ Result<void> Viewer::open(std::size_t index) {
                                                            .speed = options_.speed,
                                                            .filters = options_.filters,
                                                            .bodies = options_.bodies,
+                                                           .wants_people = options_.wants_people(),
                                                            .calibration = options_.calibration,
                                                            .stepped = options_.stepped}));
     desk_.reset();
@@ -109,6 +110,7 @@ Result<void> Viewer::open(std::size_t index) {
     frame_.reset();
     builder_.reset();
     panes_.reset();
+    alignment_.reset();
     measure_.clear();
     camera_placed_ = false;
     opened_at_ = now_ns();
@@ -129,15 +131,20 @@ void Viewer::open_next_when_over() {
 
 void Viewer::show_frame(const ProcessedFrame& frame) {
     builder_.show(frame);
+    const bool moved = builder_.advance(0) && camera_.orbit.sways();
     if (!frame.surface) {
         // Nothing to stand anywhere: only pictures.
-    } else if (!std::exchange(camera_placed_, true)) {
+    } else if (!std::exchange(camera_placed_, true) || moved) {
         camera_.reset(*builder_.place());
-    } else if (frame.set.pose_origin == PoseOrigin::trajectory) {
+    } else if (builder_.director() == nullptr && frame.set.pose_origin == PoseOrigin::trajectory) {
         camera_.orbit.follow(measure_place(frame).center, to_seconds(now_ns() - last_frame_));
     }
     if (settings_.show_panes) {
         if (const auto shown = panes_.show(frame); !shown) say(shown.error().to_string());
+    }
+    if (settings_.show_overlay && frame.surface && frame.color && frame.set.color_paired) {
+        alignment_.look(frame.surface->depth_m, *frame.surface->rays, *frame.color,
+                        playing_->rig());
     }
     const TimeNs now = now_ns();
     if (last_frame_ != 0) smooth_rate(frames_per_s_, now - last_frame_);
@@ -257,7 +264,11 @@ void Viewer::act_on_look(Action action) {
             camera_.choose(ViewKind::fly, view_.world_from_view);
             break;
         case Action::reset_camera:
-            if (frame_ && frame_->surface) camera_.reset(measure_place(*frame_));
+            if (builder_.director() != nullptr && builder_.place()) {
+                camera_.reset(*builder_.place());
+            } else if (frame_ && frame_->surface) {
+                camera_.reset(measure_place(*frame_));
+            }
             break;
         default:
             break;
@@ -369,6 +380,7 @@ OverlayText Viewer::overlay_text() {
         text.tracking = frame_->tracking;
         text.people = people_text(*frame_, status.bodies);
     }
+    text.alignment = alignment_.words();
     text.latency = latency_;
     if (status.recording) {
         text.recording = fmt::format(
@@ -438,6 +450,12 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
         ui_error_ = drawn.error();
         return picture;
     };
+    // Between pictures as the clock says; stepped, as the recording does; held while it pauses.
+    const LiveStatus status = playing_->runner().status();
+    const double shown_s = playing_->is_stepped() ? to_seconds(playing_->time_of(status.position))
+                                                  : to_seconds(now - started_);
+    const double passed_s = shown_s - std::exchange(stage_time_s_, shown_s);
+    builder_.advance(status.paused ? 0 : passed_s);
     KINO_ASSIGN(last_, renderer_.render(builder_.scene(draw_options_), view_, *target, options));
     if (ui_error_) return fail(*std::exchange(ui_error_, std::nullopt));
     KINO_TRY(window_.present());
@@ -460,6 +478,13 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
 Result<void> Viewer::run(const std::string& note) {
     started_ = now_ns();
     if (!note.empty()) say(note);
+    if (!options_.scene.empty()) {
+        KINO_ASSIGN(StageSet stage, open_stage(options_.scene));
+        const SceneLive& live = stage.file.live;
+        if (!options_.style) draw_options_.style = live.style;
+        if (!options_.splat_px) draw_options_.splat_px = live.splat_px;
+        builder_.put_on_stage(std::make_unique<Director>(std::move(stage)));
+    }
     KINO_TRY(open(0));
     if (!options_.record.empty()) start_recording(options_.record);
     TimeNs next_picture = started_;

@@ -16,6 +16,7 @@
 #include "apps/window/panels.h"
 #include "apps/window/playing.h"
 #include "apps/window/steering.h"
+#include "calibration/live_alignment.h"
 #include "viz/output/ui/ui_context.h"
 #include "viz/output/window.h"
 
@@ -71,6 +72,7 @@ class Viewer {
     bool camera_placed_ = false;
     Steering steering_;
     SceneBuilder builder_;
+    double stage_time_s_ = 0;  ///< of the last picture, by the stage's clock
 
     std::size_t current_ = 0;
     std::unique_ptr<Playing> playing_;
@@ -82,6 +84,7 @@ class Viewer {
     GestureLines gesture_lines_;
     std::optional<ProcessedFrame> frame_;
     bool frame_is_fresh_ = false;
+    LiveAlignment alignment_;
     Latency latency_;
     LatencyLog latencies_;
     TimeNs opened_at_ = 0;

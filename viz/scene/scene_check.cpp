@@ -116,7 +116,8 @@ class SceneChecker {
         for (std::size_t i = 0; i < role.prop->materials.size(); ++i) {
             KINO_TRY(known(role.prop->materials[i], fmt::format("{}/prop/materials/{}", at, i)));
         }
-        if (role.prop->materials.empty() && names_.empty()) {
+        if (role.prop->materials.empty() && role.prop->shape != SceneShape::gltf &&
+            names_.empty()) {
             return wrong(at + "/prop/materials", "there is no material");
         }
         return {};

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kStep = 1.0 / 30;
 
-Stage stage_of(const std::string& members) {
+StageSet stage_of(const std::string& members) {
     auto file = scene_file_from_json("{\"kinoscope_scene\": 1, " + members + "}", "test");
     EXPECT_TRUE(file.has_value()) << file.error().to_string();
     auto stage = make_stage(std::move(*file), {});
@@ -427,7 +427,7 @@ TEST(Director, PreviousTransformsAreThoseOfTheStepBefore) {
 }
 
 TEST(Director, MasksNameTheLiveSurfaceAndMaterialsInOrder) {
-    const Stage stage = stage_of(
+    const StageSet stage = stage_of(
         R"("materials": [{"name": "a"}, {"name": "b"}],
            "lights": [{"only": ["live"]}, {"only": ["b"]}, {"only": ["a", "live"]}, {}])");
     const Scene scene = [&] {
@@ -442,7 +442,7 @@ TEST(Director, MasksNameTheLiveSurfaceAndMaterialsInOrder) {
 }
 
 TEST(Stages, RepeatsStandInRowsAndShapesHaveTheirSize) {
-    const Stage stage = stage_of(
+    const StageSet stage = stage_of(
         R"("materials": [{"name": "a"}],
            "meshes": [{"shape": "column", "size_m": [0.4, 3, 0.4], "at_m": [1, 0, 0],
                        "repeat": [{"count": 3, "step_m": [2, 0, 0]},
