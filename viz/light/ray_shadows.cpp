@@ -77,7 +77,7 @@ struct ShadowInputs {
 
 void add_shadow_clear(FrameGraph& graph, BufferId& counters, BufferId* masks) {
     graph.add_pass(
-        "shadows/clear", kShadowGroup,
+        "light/shadow clear", kShadowGroup,
         [&](PassBuilder& b) {
             counters = b.write(counters, Use::transfer_write);
             if (masks != nullptr) *masks = b.write(*masks, Use::transfer_write);
@@ -92,7 +92,7 @@ void add_shadow_clear(FrameGraph& graph, BufferId& counters, BufferId* masks) {
 void add_shadow_pixels(FrameGraph& graph, const ShadowInputs& in, RayShadows& out) {
     add_shadow_clear(graph, out.counters, nullptr);
     graph.add_pass(
-        "shadows/pixels", kShadowGroup,
+        "light/shadow pixels", kShadowGroup,
         [&](PassBuilder& b) {
             in.read(b);
             in.read_tree(b);
@@ -101,7 +101,7 @@ void add_shadow_pixels(FrameGraph& graph, const ShadowInputs& in, RayShadows& ou
         },
         [in, masks = out.masks, counters = out.counters](PassContext& c) {
             const auto desc = in.pipeline(
-                "shadows/pixels", kShadowPixels,
+                "light/shadow pixels", kShadowPixels,
                 {Binding::word_quads, Binding::word_quads, Binding::storage, Binding::storage});
             const auto head = in.bound(c);
             if (!c.bind(desc, {head[0], head[1], head[2], head[3], head[4], c.bound(in.tree.nodes),
@@ -116,7 +116,7 @@ void add_shadow_pixels(FrameGraph& graph, const ShadowInputs& in, RayShadows& ou
 /// The next band's counts, the sums of all bands kept.
 void add_next_band(FrameGraph& graph, BufferId& counters) {
     graph.add_pass(
-        "shadows/next band", kShadowGroup,
+        "light/shadow next band", kShadowGroup,
         [&](PassBuilder& b) { counters = b.write(counters, Use::transfer_write); },
         [counters](PassContext& c) {
             constexpr std::array<std::uint32_t, 4> kNone = {0, 1, 1, 0};
@@ -136,15 +136,15 @@ void add_shadow_jobs(FrameGraph& graph, ShadowInputs in, std::uint32_t room, Ray
         p.rows = std::min(band, p.texels.y - p.first_row);
         if (p.first_row > 0) add_next_band(graph, out.counters);
         graph.add_pass(
-            "shadows/jobs", kShadowGroup,
+            "light/shadow jobs", kShadowGroup,
             [&](PassBuilder& b) {
                 in.read(b);
                 jobs = b.write(jobs, Use::compute_write);
                 out.counters = b.write(out.counters, Use::compute_write);
             },
             [in, jobs, counters = out.counters](PassContext& c) {
-                const auto desc =
-                    in.pipeline("shadows/jobs", kShadowJobs, {Binding::storage, Binding::storage});
+                const auto desc = in.pipeline("light/shadow jobs", kShadowJobs,
+                                              {Binding::storage, Binding::storage});
                 const auto head = in.bound(c);
                 if (!c.bind(desc, {head[0], head[1], head[2], head[3], head[4], c.bound(jobs),
                                    c.bound(counters)})) {
@@ -154,7 +154,7 @@ void add_shadow_jobs(FrameGraph& graph, ShadowInputs in, std::uint32_t room, Ray
                 c.commands().dispatch((in.params.texels.x + 63) / 64, in.params.rows);
             });
         graph.add_pass(
-            "shadows/cast", kShadowGroup,
+            "light/shadow cast", kShadowGroup,
             [&](PassBuilder& b) {
                 in.read(b);
                 in.read_tree(b);
@@ -164,7 +164,7 @@ void add_shadow_jobs(FrameGraph& graph, ShadowInputs in, std::uint32_t room, Ray
                 out.masks = b.write(out.masks, Use::compute_write);
             },
             [in, jobs, counters = out.counters, masks = out.masks](PassContext& c) {
-                const auto desc = in.pipeline("shadows/cast", kShadowCast,
+                const auto desc = in.pipeline("light/shadow cast", kShadowCast,
                                               {Binding::word_quads, Binding::word_quads,
                                                Binding::words, Binding::storage, Binding::storage});
                 const auto head = in.bound(c);
@@ -179,24 +179,27 @@ void add_shadow_jobs(FrameGraph& graph, ShadowInputs in, std::uint32_t room, Ray
     }
 }
 
-BufferId add_shadow_expand(FrameGraph& graph, const shared::ShadowParams& params, BufferId traced) {
-    BufferId masks = graph.create_buffer(
-        "shadow masks", {std::uint64_t{params.size.x} * params.size.y * sizeof(glm::uvec4)});
+BufferId add_shadow_expand(FrameGraph& graph, const ShadowInputs& in, BufferId traced) {
+    const glm::uvec2 size = in.params.size;
+    BufferId masks =
+        graph.create_buffer("shadow masks", {std::uint64_t{size.x} * size.y * sizeof(glm::uvec4)});
     graph.add_pass(
-        "shadows/expand", kShadowGroup,
+        "light/shadow expand", kShadowGroup,
         [&](PassBuilder& b) {
+            in.read(b);
             b.read(traced, Use::compute_read);
             masks = b.write(masks, Use::compute_write);
         },
-        [params, traced, id = masks](PassContext& c) {
-            gpu::PipelineDesc desc;
-            desc.name = "shadows/expand";
-            desc.compute = kShadowExpand;
-            desc.bindings = {Binding::word_quads, Binding::storage};
-            desc.push_bytes = sizeof(params);
-            if (!c.bind(desc, {c.bound(traced), c.bound(id)})) return;
-            c.commands().constants(params);
-            c.commands().dispatch((params.size.x + 63) / 64, params.size.y);
+        [in, size, traced, id = masks](PassContext& c) {
+            const auto desc = in.pipeline("light/shadow expand", kShadowExpand,
+                                          {Binding::word_quads, Binding::storage});
+            const auto head = in.bound(c);
+            if (!c.bind(desc, {head[0], head[1], head[2], head[3], head[4], c.bound(traced),
+                               c.bound(id)})) {
+                return;
+            }
+            c.commands().constants(in.params);
+            c.commands().dispatch((size.x + 63) / 64, size.y);
         });
     return masks;
 }
@@ -258,7 +261,7 @@ RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& vi
     } else {
         add_shadow_jobs(graph, in, options.job_room, out);
     }
-    if (half) out.masks = add_shadow_expand(graph, p, out.masks);
+    if (half) out.masks = add_shadow_expand(graph, in, out.masks);
     return out;
 }
 

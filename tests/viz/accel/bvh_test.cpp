@@ -266,6 +266,11 @@ TEST(TriangleSoup, the_depth_frame_tears_where_it_is_drawn_torn) {
     std::set<std::uint32_t> faces;
     for (const auto& source : soup.sources) faces.insert(source.face);
     EXPECT_EQ(faces, (std::set<std::uint32_t>{1, 4, 5, 6, 7, 10, 11}));
+    // Nearer than 10 cm there are no readings.
+    auto near = std::make_shared<DepthSurface>(*surface);
+    for (float& z : near->depth_m.pixels()) z = 0.09f;
+    scene.live->surface = near;
+    EXPECT_TRUE(gather_triangles(scene, {.live = true}).triangles.empty());
 }
 
 }  // namespace
