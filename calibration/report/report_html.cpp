@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "calibration/report/report.h"
 #include "calibration/report/report_pictures.h"
+#include "sensor/png_io.h"
 
 namespace kino {
 namespace {
@@ -97,6 +100,29 @@ std::string planes_part(const std::vector<PlaneBand>& planes) {
     return out + "</table>\n";
 }
 
+std::string drift_part(const std::optional<DriftSeries>& drift) {
+    if (!drift || drift->points.empty()) return {};
+    std::string out =
+        "<h2>Drift</h2>\n<p>Scale of the depth of a still scene against its beginning. " +
+        drift_text(*drift) + "</p>\n";
+    return out + drift_svg(*drift) + "\n";
+}
+
+std::string overlays_part(const std::vector<ReportPicture>& pictures) {
+    if (pictures.empty()) return {};
+    std::string out =
+        "<h2>Depth over colour</h2>\n<p>Red is near, blue far, contours of the depth are white: "
+        "they should lie on the contours of the things.</p>\n<div class=\"side\">";
+    for (const ReportPicture& picture : pictures) {
+        out += fmt::format(
+            "<figure><img class=\"picture\" width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">"
+            "<figcaption>{}</figcaption></figure>",
+            picture.width, picture.height, html_text(picture.caption), data_uri(picture.png),
+            html_text(picture.caption));
+    }
+    return out + "</div>\n";
+}
+
 std::string list(const std::vector<std::string>& notes) {
     std::string out;
     for (const std::string& note : notes) out += "<li>" + html_text(note) + "</li>\n";
@@ -105,19 +131,49 @@ std::string list(const std::vector<std::string>& notes) {
 
 }  // namespace
 
+Result<ReportPicture> report_picture(std::string caption, const Image<Rgba8>& image) {
+    KINO_ASSIGN(auto png, encode_png_rgba8(image.view(), {.compression = 9}));
+    return ReportPicture{std::move(caption), image.width(), image.height(), std::move(png)};
+}
+
+std::string drift_text(const DriftSeries& drift) {
+    if (drift.points.empty()) return "nothing still and flat was seen";
+    double lowest = 1;
+    double highest = 1;
+    for (const DriftPoint& p : drift.points) {
+        lowest = std::min(lowest, p.scale);
+        highest = std::max(highest, p.scale);
+    }
+    std::string out =
+        fmt::format("over {:.0f} s between {:+.3f} % and {:+.3f} %", drift.points.back().time_s,
+                    100 * (lowest - 1), 100 * (highest - 1));
+    if (drift.warm_up) {
+        out += fmt::format("; warming up: {:+.3f} % with a time of {:.0f} s",
+                           100 * drift.warm_up->change, drift.warm_up->tau_s);
+    }
+    if (drift.per_kelvin) out += fmt::format("; {:+.4f} % a kelvin", 100 * *drift.per_kelvin);
+    return out;
+}
+
 std::string report_html(const Report& report) {
     const Calibration& c = report.calibration;
     std::string out(kHead);
     out += "<title>" + html_text(report.title) + "</title>\n</head>\n<body>\n<h1>" +
            html_text(report.title) + "</h1>\n";
+    const std::string notes = list(report.notes) + list(c.notes);
+    const std::string said = notes.empty() ? "" : "<ul>\n" + notes + "</ul>\n";
+    if (c.cameras.empty()) {
+        return out + said + planes_part(report.planes) + drift_part(report.drift) +
+               overlays_part(report.overlays) + "</body>\n</html>\n";
+    }
     out += fmt::format(
         "<p>Board {}; {} views. RMS {:.3f} px; noise of a corner {:.3f} px an axis.</p>\n",
         html_text(report.board), c.views.size(), c.rms_px, c.sigma_px);
-    const std::string notes = list(report.notes) + list(c.notes);
-    if (!notes.empty()) out += "<ul>\n" + notes + "</ul>\n";
+    out += said;
     out += "<h2>RMS by view</h2>\n" + view_rms_svg(c) + "\n";
     for (const CameraResult& camera : c.cameras) out += camera_part(camera);
-    out += rig_part(c) + planes_part(report.planes);
+    out += rig_part(c) + overlays_part(report.overlays) + planes_part(report.planes) +
+           drift_part(report.drift);
     return out + "</body>\n</html>\n";
 }
 

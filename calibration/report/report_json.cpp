@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "calibration/report/report.h"
+#include "calibration/report/report_pictures.h"
 #include "sensor/file_bytes.h"
 
 namespace kino {
@@ -49,6 +50,25 @@ ordered_json camera_json(const CameraResult& camera) {
     return out;
 }
 
+ordered_json drift_json(const DriftSeries& drift) {
+    ordered_json out = {{"points", ordered_json::array()}};
+    for (const DriftPoint& p : drift.points) {
+        ordered_json point = {{"time_s", p.time_s},
+                              {"distance_m", p.distance_m},
+                              {"scale", p.scale},
+                              {"sigma", p.sigma}};
+        if (p.temperature_c) point["temperature_c"] = *p.temperature_c;
+        out["points"].push_back(point);
+    }
+    if (drift.warm_up) {
+        out["warm_up"] = {{"final_scale", drift.warm_up->final_scale},
+                          {"change", drift.warm_up->change},
+                          {"tau_s", drift.warm_up->tau_s}};
+    }
+    if (drift.per_kelvin) out["per_kelvin"] = *drift.per_kelvin;
+    return out;
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
@@ -73,6 +93,14 @@ std::string report_json(const Report& report) {
         out["depth_planes"].push_back(
             {{"distance_m", band.distance_m}, {"planes", band.planes}, {"rms_mm", band.rms_mm}});
     }
+    out["depth_over_color"] = ordered_json::array();
+    for (const ReportPicture& picture : report.overlays) {
+        out["depth_over_color"].push_back({{"caption", picture.caption},
+                                           {"width", picture.width},
+                                           {"height", picture.height},
+                                           {"picture", data_uri(picture.png)}});
+    }
+    if (report.drift) out["drift"] = drift_json(*report.drift);
     out["notes"] = report.notes;
     for (const std::string& note : c.notes) out["notes"].push_back(note);
     // Names of files may hold bytes that are not UTF-8.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 
 namespace kino {
@@ -120,6 +121,62 @@ std::string view_rms_svg(const Calibration& calibration) {
         out += fmt::format(
             "<text transform=\"translate({:.1f},160) rotate(40)\" class=\"small\">{}</text>", left,
             html_text(calibration.views[view]));
+    }
+    return out + "</svg>";
+}
+
+std::string data_uri(const std::vector<std::uint8_t>& png) {
+    constexpr std::string_view kLetters =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out = "data:image/png;base64,";
+    for (std::size_t i = 0; i < png.size(); i += 3) {
+        const std::size_t left = std::min<std::size_t>(3, png.size() - i);
+        std::uint32_t bits = static_cast<std::uint32_t>(png[i]) << 16;
+        if (left > 1) bits |= static_cast<std::uint32_t>(png[i + 1]) << 8;
+        if (left > 2) bits |= png[i + 2];
+        for (std::size_t c = 0; c < 4; ++c) {
+            out += c <= left ? kLetters[bits >> (18 - 6 * c) & 63] : '=';
+        }
+    }
+    return out;
+}
+
+std::string drift_svg(const DriftSeries& drift) {
+    double longest = 1e-9;
+    double lowest = 0;
+    double highest = 0;
+    for (const DriftPoint& p : drift.points) {
+        longest = std::max(longest, p.time_s);
+        lowest = std::min(lowest, 100 * (p.scale - 1));
+        highest = std::max(highest, 100 * (p.scale - 1));
+    }
+    const double span = std::max(0.01, highest - lowest);
+    const auto x = [&](double time_s) { return 60 + 390 * time_s / longest; };
+    const auto y = [&](double scale) { return 15 + 135 * (highest - 100 * (scale - 1)) / span; };
+    std::string out = fmt::format(
+        "<svg role=\"img\" aria-label=\"Drift of the depth\" viewBox=\"0 0 460 190\" "
+        "class=\"chart\"><text x=\"0\" y=\"18\">{:+.3f} %</text>"
+        "<text x=\"0\" y=\"150\">{:+.3f} %</text><text x=\"390\" y=\"175\">{:.0f} s</text>"
+        "<line x1=\"60\" y1=\"{:.1f}\" x2=\"450\" y2=\"{:.1f}\" stroke=\"#bbb\"/>",
+        highest, highest - span, longest, y(1), y(1));
+    for (const DriftPoint& p : drift.points) {
+        const std::string temperature =
+            p.temperature_c ? fmt::format(", {:.1f} degrees C", *p.temperature_c) : "";
+        out += fmt::format(
+            "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\" class=\"camera0\"><title>{:.0f} s: "
+            "{:+.4f} % +- {:.4f}, {:.4f} m{}</title></circle>",
+            x(p.time_s), y(p.scale), p.time_s, 100 * (p.scale - 1), 100 * p.sigma, p.distance_m,
+            temperature);
+    }
+    if (drift.warm_up) {
+        const WarmUp& w = *drift.warm_up;
+        out += "<polyline fill=\"none\" stroke=\"#c2622b\" stroke-width=\"1.5\" points=\"";
+        for (int i = 0; i <= 100; ++i) {
+            const double t = longest * i / 100;
+            out += fmt::format("{:.1f},{:.1f} ", x(t),
+                               y(w.final_scale * (1 - w.change * std::exp(-t / w.tau_s))));
+        }
+        out += "\"/>";
     }
     return out + "</svg>";
 }

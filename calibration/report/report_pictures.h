@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "calibration/solve/calibrate.h"
+#include "calibration/solve/drift.h"
 #include "calibration/solve/plane_check.h"
 
 namespace kino {
@@ -18,6 +19,10 @@ namespace kino {
 [[nodiscard]] std::string residual_svg(const CameraResult& camera);
 /// A bar for every view and camera.
 [[nodiscard]] std::string view_rms_svg(const Calibration& calibration);
+/// Scale of the depth over time, with the warm-up curve and, where known, the temperature.
+[[nodiscard]] std::string drift_svg(const DriftSeries& drift);
+/// "data:image/png;base64,..".
+[[nodiscard]] std::string data_uri(const std::vector<std::uint8_t>& png);
 /// Plane error over distance.
 [[nodiscard]] std::string planes_svg(const std::vector<PlaneBand>& planes);
 

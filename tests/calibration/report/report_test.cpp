@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "calibration/report/overlay_picture.h"
 #include "calibration/report/report_pictures.h"
 #include "tests/calibration/solve/synthetic_boards.h"
 #include "tests/support/temp_dir.h"
@@ -25,6 +26,12 @@ Report sample() {
     Report report{"Two cameras", "chess:9x6:35", {"view 9: no board is seen"}, {}, {}};
     report.calibration = calibrate(shots, options).value();
     report.planes = {{1.0, 12, 2.5}, {2.0, 20, 9.0}};
+    report.overlays = {report_picture("before", Image<Rgba8>(8, 6, {200, 0, 0, 255})).value(),
+                       report_picture("after <b>", Image<Rgba8>(8, 6, {0, 0, 200, 255})).value()};
+    DriftSeries drift;
+    drift.points = {{0, 1.5, 1, 1e-4, 31.5}, {60, 1.503, 1.002, 1e-4, {}}};
+    drift.warm_up = WarmUp{1.003, 0.003, 50};
+    report.drift = drift;
     return report;
 }
 
@@ -40,13 +47,17 @@ TEST(Report, PageHoldsWhatItPromises) {
     const Report report = sample();
     const std::string page = report_html(report);
     EXPECT_THAT(page, testing::StartsWith("<!doctype html>"));
-    // RMS by view, two pictures a camera, planes.
-    EXPECT_EQ(count(page, "<svg "), 6u);
+    // RMS by view, two pictures a camera, planes, drift.
+    EXPECT_EQ(count(page, "<svg "), 7u);
+    EXPECT_EQ(count(page, "<img "), 2u);
+    EXPECT_EQ(count(page, "src=\"data:image/png;base64,iVBOR"), 2u);
+    EXPECT_THAT(page, HasSubstr("alt=\"after &lt;b&gt;\""));
+    EXPECT_THAT(page, HasSubstr("warming up: +0.300 % with a time of 50 s"));
     EXPECT_EQ(count(page, "<svg "), count(page, "</svg>"));
     const std::size_t corners =
         report.calibration.cameras[0].errors.size() + report.calibration.cameras[1].errors.size();
     EXPECT_EQ(corners, 8u * 54 * 2);
-    EXPECT_EQ(count(page, "<circle "), corners + report.planes.size());
+    EXPECT_EQ(count(page, "<circle "), corners + report.planes.size() + 2);
     for (const char* part : {"standard deviation", "RMS held out, px", "brown4", "turn x",
                              "infrared", "Depth by distance", "view 9: no board is seen"}) {
         EXPECT_THAT(page, HasSubstr(part));
@@ -54,7 +65,12 @@ TEST(Report, PageHoldsWhatItPromises) {
 }
 
 TEST(Report, PageAsksForNothing) {
-    const std::string page = report_html(sample());
+    std::string page = report_html(sample());
+    // Pictures are in the page itself; what is left of it is looked at.
+    for (std::size_t at = 0;
+         (at = page.find("src=\"data:image/png;base64,")) != std::string::npos;) {
+        page.erase(at, page.find('"', at + 5) + 1 - at);
+    }
     for (const char* part : {"http:", "https:", "//", "src=", "href=", "url(", "@import", "<script",
                              "<link", "<iframe", "<object", "onload"}) {
         EXPECT_THAT(page, Not(HasSubstr(part))) << part;
@@ -74,6 +90,62 @@ TEST(Report, JsonSaysTheSame) {
               report.calibration.rig[3].sigma);
     EXPECT_EQ(json["depth_planes"][1]["rms_mm"], 9.0);
     EXPECT_EQ(json["notes"][0], "view 9: no board is seen");
+    EXPECT_EQ(json["drift"]["points"][1]["scale"], 1.002);
+    EXPECT_EQ(json["drift"]["points"][0]["temperature_c"], 31.5);
+    EXPECT_FALSE(json["drift"]["points"][1].contains("temperature_c"));
+    EXPECT_EQ(json["drift"]["warm_up"]["tau_s"], 50);
+    EXPECT_EQ(json["depth_over_color"][1]["caption"], "after <b>");
+    EXPECT_EQ(json["depth_over_color"][1]["picture"], data_uri(report.overlays[1].png));
+}
+
+// RFC 4648, section 10.
+TEST(Report, PicturesAreBase64) {
+    const auto of = [](const std::string& text) {
+        return data_uri({text.begin(), text.end()}).substr(22);
+    };
+    EXPECT_EQ(of(""), "");
+    EXPECT_EQ(of("f"), "Zg==");
+    EXPECT_EQ(of("fo"), "Zm8=");
+    EXPECT_EQ(of("foo"), "Zm9v");
+    EXPECT_EQ(of("foob"), "Zm9vYg==");
+    EXPECT_EQ(of("fooba"), "Zm9vYmE=");
+    EXPECT_EQ(of("foobar"), "Zm9vYmFy");
+}
+
+TEST(Report, AStillSceneHasAPageWithoutCameras) {
+    Report report;
+    report.title = "Depth of a still scene";
+    report.drift = sample().drift;
+    const std::string page = report_html(report);
+    EXPECT_EQ(count(page, "<svg "), 1u);
+    EXPECT_THAT(page, Not(HasSubstr("Board")));
+    EXPECT_TRUE(nlohmann::json::accept(report_json(report)));
+}
+
+// The depth lies on what it belongs to with the true calibration, and beside it with another.
+TEST(Report, DepthLiesOverColour) {
+    RigParameters rig = default_kinect1_rig(160, 120);
+    rig.color = rig.depth;
+    rig.color_from_depth = {};
+    DepthFrame depth;
+    depth.raw = Image<std::uint16_t>(160, 120, 3000);
+    Image<Rgba8> color(160, 120, {128, 128, 128, 255});
+    for (int y = 40; y < 80; ++y) {
+        for (int x = 50; x < 100; ++x) depth.raw.at(x, y) = 1000;
+    }
+    const auto good = depth_over_color(depth, color, rig, 160);
+    ASSERT_TRUE(good) << good.error().to_string();
+    // Near is red, far is blue, the border white.
+    EXPECT_GT(good->at(75, 60).r, good->at(75, 60).b + 50);
+    EXPECT_GT(good->at(20, 20).b, good->at(20, 20).r + 50);
+    EXPECT_EQ(good->at(50, 60), (Rgba8{255, 255, 255, 255}));
+    EXPECT_NE(good->at(58, 60), (Rgba8{255, 255, 255, 255}));
+    rig.color->cx += 8;
+    const auto slid = depth_over_color(depth, color, rig, 160);
+    EXPECT_EQ(slid->at(58, 60), (Rgba8{255, 255, 255, 255}));
+    EXPECT_EQ(depth_over_color(depth, color, rig, 80)->width(), 80);
+    rig.color.reset();
+    EXPECT_FALSE(depth_over_color(depth, color, rig));
 }
 
 struct Seen {
@@ -109,7 +181,8 @@ TEST(Report, ChromiumShowsItAndIsAskedForNothing) {
     const test::TempDir folder;
     ASSERT_TRUE(write_report(folder / "report", sample()));
     const Seen good = in_chromium(folder / "report/report.html", folder);
-    EXPECT_EQ(count(good.dom, "<svg "), 6u);
+    EXPECT_EQ(count(good.dom, "<svg "), 7u);
+    EXPECT_EQ(count(good.dom, "<img "), 2u);
     EXPECT_THAT(good.dom, HasSubstr("</html>"));
     EXPECT_THAT(good.log, Not(HasSubstr("Content Security Policy")));
 
