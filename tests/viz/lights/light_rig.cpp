@@ -148,7 +148,9 @@ Result<LightRig::Drawn> LightRig::draw(const Scene& scene, const View& view,
                         z.size() * 4));
         lists_z = imported("list depth", lists_z_);
     }
-    drawn.lists = add_light_lists(graph, scene, view, lists_z, options.lists);
+    if (!options.own_lists) {
+        drawn.lists = add_light_lists(graph, scene, view, lists_z, options.lists);
+    }
     LightLists& lists = drawn.lists;
     if (lists.tile_px != 0) {
         if (options.statistics) lists.counters = add_light_statistics(graph, lists);
@@ -179,7 +181,8 @@ Result<LightRig::Drawn> LightRig::draw(const Scene& scene, const View& view,
     const std::size_t tiles = std::size_t{lists.tiles_x} * lists.tiles_y;
     const auto bytes_of = [&](BufferId id) { return graph.resources()[id.index].buffer.bytes; };
     const std::uint64_t index_bytes = lists.indices.valid() ? bytes_of(lists.indices) : 0;
-    const std::size_t lights = std::size_t{lists.global_count} + lists.local_count;
+    const std::size_t lights =
+        lists.lights.valid() ? std::size_t{lists.global_count} + lists.local_count : 0;
     std::vector<const gpu::Buffer*> host(5, nullptr);
     if (options.read) {
         if (linear.valid()) {

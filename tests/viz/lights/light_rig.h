@@ -38,6 +38,7 @@ class LightRig {
         std::function<graph::TextureId(graph::FrameGraph&, const LightLists&,
                                        const SurfaceTargets&)>
             instead{};
+        bool own_lists = false;  ///< `instead` makes lists of its own: none are made before it
         /// A coarser picture of the same view, which the surface is of; the lists are then made of
         /// `lists_z`.
         std::optional<View> shading_view{};
