@@ -168,6 +168,14 @@ TEST(HardCases, HoldingALargeBox) {
     EXPECT_LT(mean_of(o.legs), 100);
 }
 
+TEST(HardCases, ASkirtLeavesTheUpperBodyRight) {
+    // Knees and hips below it are guesses.
+    const Outcome o = play("arms", 604, 20, 10, 2.6);
+    EXPECT_EQ(o.ids.size(), 1u);
+    EXPECT_LT(mean_of(o.trunk), 80);
+    EXPECT_LT(mean_of(o.all), 150);
+}
+
 TEST(HardCases, AHandOnTheWall) {
     const Outcome o = play("wall", 4, 30, 15);
     EXPECT_LT(mean_of(o.trunk), 60);
