@@ -259,10 +259,14 @@ void Director::follow(std::size_t role_index, double dt_s) {
                 const CastJoint& parent = member[kJointParent[static_cast<std::size_t>(joint)]];
                 const glm::dvec3 limb = at.world_m - parent.world_m;
                 const bool along =
-                    role.aim == SceneAim::limb && parent.known && glm::length(limb) > 0.02;
+                    role.aim != SceneAim::fixed && parent.known && glm::length(limb) > 0.02;
+                glm::dvec3 beam = along ? glm::normalize(limb) : turned(role.light->direction);
+                if (along && role.aim == SceneAim::mirror) {
+                    const glm::dvec3 out = turned({0, 0, 1});
+                    beam -= 2 * std::max(0.0, glm::dot(beam, out)) * out;
+                }
                 add_light(
-                    *role.light, at.world_m + turned(role.light->at_m),
-                    along ? glm::normalize(limb) : turned(role.light->direction),
+                    *role.light, at.world_m + turned(role.light->at_m), beam,
                     to_linear(role.palette.empty() ? role.light->color
                                                    : role.palette[color % role.palette.size()]),
                     smooth_step(led.presence));
@@ -300,8 +304,10 @@ void Director::let_swarm(std::size_t index, double dt_s, std::uint32_t first_id)
                   world, {0, -1, 0}, color, weight * moment.weight);
         const double bead = file.bead_m * std::sqrt(weight * moment.weight);
         if (file.bead_m <= 0 || bead < 0.05 * file.bead_m) continue;
+        // A light that casts shadows hangs below its ball, which would swallow it otherwise.
+        const glm::dvec3 hung = world + glm::dvec3(0, file.shadow ? 0.8 * file.bead_m : 0, 0);
         add_node(first_id + static_cast<std::uint32_t>(i), {.mesh = stage_.bead},
-                 glm::scale(glm::translate(glm::dmat4(1), world), glm::dvec3(bead)),
+                 glm::scale(glm::translate(glm::dmat4(1), hung), glm::dvec3(bead)),
                  stage_.swarm_glow[index][one.color]);
     }
 }

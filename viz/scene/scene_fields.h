@@ -39,8 +39,8 @@ inline constexpr std::array<Word<SceneMovement>, 4> kMovements{{{"still", SceneM
                                                                 {"rise", SceneMovement::rise}}};
 inline constexpr std::array<Word<SceneWhen>, 3> kWhens{
     {{"always", SceneWhen::always}, {"idle", SceneWhen::idle}, {"people", SceneWhen::people}}};
-inline constexpr std::array<Word<SceneAim>, 2> kAims{
-    {{"fixed", SceneAim::fixed}, {"limb", SceneAim::limb}}};
+inline constexpr std::array<Word<SceneAim>, 3> kAims{
+    {{"fixed", SceneAim::fixed}, {"limb", SceneAim::limb}, {"mirror", SceneAim::mirror}}};
 inline constexpr std::array<Word<SceneShow>, 3> kShows{
     {{"all", SceneShow::all}, {"people", SceneShow::people}, {"none", SceneShow::none}}};
 inline constexpr std::array<Word<DepthStyle>, 2> kStyles{
@@ -173,7 +173,8 @@ template <class V>
 void visit(V& v, SceneRole& s) {
     v.choices("joints", s.joints, joint_words(), kJointCount, "that lead; none: all");
     v.integer("people", s.people, 1, 6, "that have this role, at most");
-    v.choice("aim", s.aim, kAims, "of a spot: its direction, or along the limb");
+    v.choice("aim", s.aim, kAims,
+             "of a spot: its direction, along the limb, or that turned into the picture");
     v.number("fade_s", s.fade_s, 0, 60, "things of a lost joint go in this time");
     v.colors("palette", s.palette, kMostColors, "of lights, by person and joint");
     v.optional("light", s.light, "at each of the joints");

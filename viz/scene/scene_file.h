@@ -152,7 +152,8 @@ struct SceneProp {
 
 enum class SceneAim : std::uint8_t {
     fixed,  ///< as `direction` says, in stage axes
-    limb    ///< from the joint before it through the joint: where a forearm points
+    limb,   ///< from the joint before it through the joint: where a forearm points
+    mirror  ///< as limb, but into the picture: who points at the screen shines behind it
 };
 
 /// What people lead. At least one of light, trail and prop.

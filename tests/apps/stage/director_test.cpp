@@ -143,10 +143,12 @@ TEST(Director, OffsetsAndDirectionsAreInStageAxesAndLimbsAimAlongThem) {
         R"("roles": [{"joints": ["hand_right"], "fade_s": 0,
                       "light": {"kind": "spot", "at_m": [0, 0, 0.5], "direction": [0, 0, 1]}},
                      {"joints": ["hand_right"], "fade_s": 0, "aim": "limb",
+                      "light": {"kind": "spot"}},
+                     {"joints": ["hand_right"], "fade_s": 0, "aim": "mirror",
                       "light": {"kind": "spot"}}])"));
     const BodyFrame frame{.bodies = {somebody(1, 0)}};
     const Scene scene = step(director, &frame);
-    ASSERT_EQ(scene.lights.size(), 2u);
+    ASSERT_EQ(scene.lights.size(), 3u);
     const glm::dvec3 hand = scene.lights[1].position;
     const glm::dvec3 off = scene.lights[0].position - hand;
     EXPECT_NEAR(glm::length(off), 0.5, 1e-9);
@@ -158,6 +160,11 @@ TEST(Director, OffsetsAndDirectionsAreInStageAxesAndLimbsAimAlongThem) {
     const glm::dvec3 wrist =
         sensor_pose() * glm::dvec3(frame.bodies[0][Joint::wrist_right].position_m);
     EXPECT_NEAR(glm::dot(scene.lights[1].direction, glm::normalize(hand - wrist)), 1, 1e-6);
+    // The same but for the part towards the viewer, which goes into the picture.
+    const glm::dvec3 out = 2.0 * off;
+    const glm::dvec3 limb = scene.lights[1].direction, beam = scene.lights[2].direction;
+    EXPECT_NEAR(glm::dot(beam, out), -std::abs(glm::dot(limb, out)), 1e-9);
+    EXPECT_NEAR(glm::length(beam), 1, 1e-9);
 }
 
 TEST(Director, TheFloorIsUnderTheFeetAndTheStageFacesTheSensor) {
