@@ -6,11 +6,11 @@
 namespace kino {
 namespace {
 
-std::atomic<bool> seen{false};
+std::atomic<bool> interrupt_seen{false};
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 void on_signal(int signal) {
-    seen = true;
+    interrupt_seen = true;
     std::signal(signal, SIG_DFL);
 }
 
@@ -22,7 +22,7 @@ void catch_interrupts() {
 }
 
 bool interrupted() {
-    return seen;
+    return interrupt_seen;
 }
 
 }  // namespace kino
