@@ -7,6 +7,7 @@
 #include "tests/viz/lights/light_rig.h"
 #include "tests/viz/lights/light_scenes.h"
 #include "tests/viz/viz_fixture.h"
+#include "viz/light/light_passes.h"
 
 namespace kino::test {
 namespace {
@@ -114,6 +115,24 @@ TEST_F(ShadeTest, MeshesOfMaterial0LookLikeThePictureWithoutObjects) {
         for (int k = 0; k < 3; ++k) {
             const float a = live.linear.pixels()[i][k];
             ASSERT_NEAR(meshes.linear.pixels()[i][k], a, std::abs(a) / 1000 + 1e-6f);
+        }
+    }
+}
+
+// The pass without lists and materials walks the scene's lights as they are.
+TEST_F(ShadeTest, PassWithoutListsMakesTheSamePicture) {
+    LitScene lit = random_lit_scene(49, kWide, kHigh, 40);
+    lit.scene.lights.push_back({.kind = LightKind::directional, .direction = {0.3, -0.8, 0.2}});
+    const auto lists = draw(lit);
+    LightRig::Options options;
+    options.instead = [&](graph::FrameGraph& g, const LightLists&, const SurfaceTargets& s) {
+        return add_light_pass(g, lit.scene, lit.view, s);
+    };
+    const auto plain = draw(lit, options);
+    for (std::size_t i = 0; i < lists.linear.size(); ++i) {
+        for (int k = 0; k < 3; ++k) {
+            const float a = lists.linear.pixels()[i][k];
+            ASSERT_NEAR(plain.linear.pixels()[i][k], a, std::abs(a) / 900 + 1e-6f);
         }
     }
 }
