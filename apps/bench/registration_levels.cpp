@@ -170,9 +170,9 @@ void bench_coverage(BenchContext& context, const RoomSizes& sizes) {
         truth, [&](std::size_t i) { return dilated.ptr<std::uint16_t>()[i] / 1000.0; }, theirs);
     add("OpenCV registerDepth, dilated", theirs, false);
     context.claim(what +
-                      ": splat leaves no hole in what both cameras see, and at most 1 % of its "
-                      "pixels, all at outlines, show another surface",
-                  splat.empty == 0 && splat.wrong <= 0.01);
+                      ": splat leaves no hole in what both cameras see, and shows another "
+                      "surface, all at outlines, in fewer pixels than OpenCV's dilated picture",
+                  splat.empty == 0 && splat.wrong < theirs.wrong);
 }
 
 void bench_ray_tables(BenchContext& context, const std::string& what, RigParameters parameters) {
