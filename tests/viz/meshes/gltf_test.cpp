@@ -295,6 +295,27 @@ TEST(Gltf, ContainersThatLieAboutTheirLengthsAreRefused) {
     EXPECT_FALSE(parse(good, few));
 }
 
+// One mesh under many skins is as many meshes: the limits hold for their sum.
+TEST(Gltf, OneMeshUnderManySkinsIsCountedForEach) {
+    GltfSample sample = make_gltf_sample();
+    for (int i = 1; i < 20; ++i) {
+        sample.json["skins"].push_back(sample.json["skins"][0]);
+        nlohmann::json node = sample.json["nodes"][0];
+        node["skin"] = i;
+        sample.json["scenes"][0]["nodes"].push_back(sample.json["nodes"].size());
+        sample.json["nodes"].push_back(node);
+    }
+    GltfLimits limits;
+    const auto model = parse(sample.as_glb(), limits);
+    ASSERT_TRUE(model) << model.error().to_string();
+    EXPECT_EQ(model->meshes.size(), 20u);
+    limits.vertices = 20 * 6 - 1;
+    EXPECT_FALSE(parse(sample.as_glb(), limits));
+    limits = {};
+    limits.indices = 20 * 12 - 1;
+    EXPECT_FALSE(parse(sample.as_glb(), limits));
+}
+
 TEST(Gltf, RobotOfThreeJsIsReadWithItsDances) {
     const auto model = load_gltf("tests/data/meshes/RobotExpressive.glb");
     ASSERT_TRUE(model) << model.error().to_string();

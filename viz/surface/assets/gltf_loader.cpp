@@ -240,7 +240,10 @@ class GltfBuilder {
     Result<void> read_meshes() {
         const std::vector<char> seen = shown();
         std::map<std::pair<int, int>, std::vector<int>> made;  // of a mesh with a skin
+        std::size_t vertices_read = 0;
+        std::size_t primitives = 0;
         std::size_t vertices = 0;
+        std::size_t corners = 0;
         for (std::size_t i = 0; i < out_.nodes.size(); ++i) {
             const tinygltf::Node& from = in_.nodes[static_cast<std::size_t>(old_of_[i])];
             if (from.mesh < 0 || seen[i] == 0) continue;
@@ -258,11 +261,19 @@ class GltfBuilder {
                     if (from.skin >= 0) {
                         options.joint_order = joint_orders_[static_cast<std::size_t>(from.skin)];
                     }
+                    // One mesh with many skins is read, and kept, many times.
+                    const int positions = primitive.attributes.at("POSITION");
+                    vertices_read += in_.accessors.at(static_cast<std::size_t>(positions)).count;
+                    if (vertices_read > limits_.vertices || ++primitives > limits_.items) {
+                        return fail("too many vertices or primitives", where_);
+                    }
                     KINO_ASSIGN(auto mesh, read_primitive(in_, primitive, options, out_.notes));
                     if (!mesh) continue;
-                    // One mesh with many skins becomes many meshes.
                     vertices += mesh->positions.size();
-                    if (vertices > limits_.vertices) return fail("too many vertices", where_);
+                    corners += mesh->indices.size();
+                    if (vertices > limits_.vertices || corners > limits_.indices) {
+                        return fail("too many vertices or corners", where_);
+                    }
                     known->second.push_back(static_cast<int>(out_.meshes.size()));
                     out_.meshes.push_back(
                         {std::make_shared<const MeshAsset>(std::move(*mesh)), primitive.material});
