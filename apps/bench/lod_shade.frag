@@ -104,7 +104,9 @@ void main() {
     vec3 n = from_octahedral(texelFetch(normal, at, 0).rg);
     vec3 ray = vec3((vec2(at) - p.k.zw) * p.k.xy, 1.0);
     vec3 q = ray * z + n * 1e-3;
-    vec3 to_light = normalize(vec3(-0.5, -0.8, -0.45));
+    // The car's sun stands aside, so that its shadows fall across the picture.
+    vec3 to_light =
+        normalize(kKind == 0u ? vec3(0.8, -0.55, -0.1) : vec3(-0.5, -0.8, -0.45));
     float towards = max(dot(n, to_light), 0.0);
     vec3 light = vec3(0.0);
     vec3 shine = vec3(0.0);
