@@ -43,6 +43,17 @@ bool is_there(const JointPosition& joint) {
            glm::length(joint.position_m) < 50.0f;
 }
 
+/// Who sits has no bones below the shoulders; the trunk hangs from them.
+void add_trunk(const Body& body, double margin_m, std::vector<Ball>& balls) {
+    const JointPosition& shoulders = body[Joint::shoulder_center];
+    if (!is_there(shoulders) || is_there(body[Joint::hip_center])) return;
+    for (int k = -2; k <= 6; ++k) {
+        // y goes down.
+        const glm::dvec3 at = glm::dvec3(shoulders.position_m) + glm::dvec3(0, 0.08 * k, 0);
+        balls.push_back({at, margin_m + (k < 0 ? 0.02 : 0.14)});
+    }
+}
+
 /// Spheres along every bone whose ends are known, close enough to overlap.
 std::vector<Ball> balls_of(const BodyFrame& bodies, double margin_m) {
     std::vector<Ball> balls;
@@ -64,6 +75,7 @@ std::vector<Ball> balls_of(const BodyFrame& bodies, double margin_m) {
                 balls.push_back({glm::mix(from, to, t), glm::mix(from_girth, girth, t)});
             }
         }
+        add_trunk(body, margin_m, balls);
     }
     return balls;
 }
