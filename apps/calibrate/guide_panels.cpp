@@ -115,7 +115,7 @@ void draw_camera(ImDrawList& list, const ImVec2& from, const ImVec2& room, const
 void draw_dots(ImDrawList& list, const ImVec2& at, const char* name, int have, int want, bool now) {
     list.AddText(at, now ? kLight : kQuiet, name);
     for (int i = 0; i < want; ++i) {
-        const ImVec2 middle{at.x + 66 + 14.0f * static_cast<float>(i), at.y + 9};
+        const ImVec2 middle{at.x + 76 + 14.0f * static_cast<float>(i), at.y + 9};
         if (i < have) {
             list.AddCircleFilled(middle, 5, kGreen);
         } else {
@@ -136,7 +136,7 @@ void draw_figures(ImDrawList& list, const ImVec2& at, const GuidedFrame& frame) 
                   GuideCoverage::kWantedTilts, stand && stand->away[side]);
     }
     constexpr std::array<const char*, 3> kSteps = {"near", "middle", "far"};
-    const float x = at.x + 130;
+    const float x = at.x + 140;
     list.AddText({x, at.y}, kQuiet, "distance");
     for (std::size_t i = 0; i < kSteps.size(); ++i) {
         const auto distance = static_cast<GuideCoverage::Distance>(i);
@@ -183,7 +183,7 @@ void draw_guide(const GuidedFrame& frame, const Board& board,
     list.AddText({kMargin, top + 46}, kLight, figures.c_str());
     list.AddText({kMargin, top + 72}, kQuiet,
                  "left and right as in the picture; Enter: solve with what is there");
-    draw_figures(list, {std::max(kMargin, display.x - 270), top}, frame);
+    draw_figures(list, {std::max(kMargin, display.x - 290), top}, frame);
     ImGui::End();
 }
 

@@ -69,7 +69,8 @@ Result<Shots> guided_shots(const std::string& uri, const Board& board,
         if (answer.take) {
             const std::string view = fmt::format("frame {}", set->index);
             KINO_TRY(gathering.add(view, source.look(pictures, false)));
-            if (set->depth) depth.push_back({view, set->depth});
+            if (set->depth)
+                depth.push_back({view, set->depth, set->color_paired ? set->color : nullptr});
         }
         KINO_ASSIGN(goes_on, screen.show({*set, source.cameras(), pictures, look, guide, answer,
                                           detection}));

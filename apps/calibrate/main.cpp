@@ -13,6 +13,7 @@
 #include "apps/calibrate/outputs.h"
 #include "apps/calibrate/session_check.h"
 #include "apps/calibrate/session_shots.h"
+#include "apps/calibrate/still_scene.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
 #include "apps/sources.h"
@@ -36,6 +37,8 @@ struct Options {
     std::string serial;
     std::string depth;
     std::string check;
+    std::string wall;
+    std::string drift;
     bool keep = false;
     std::array<double, 2> depth_shift = {0, 0};
     bool squared = false;
@@ -127,12 +130,69 @@ void tell(const Report& report) {
     fmt::print("{} views, RMS {:.3f} px\n", c.views.size(), c.rms_px);
 }
 
+// From --depth's recording, else from the middle one of the views.
+Result<void> show_overlays(const Options& options, const std::vector<ViewDepth>& depth,
+                           const RigParameters& before, const RigParameters& after,
+                           Report& report) {
+    if (!options.depth.empty()) {
+        RigParameters own;
+        KINO_ASSIGN(const FramePair pair, first_pair(options.depth, own));
+        if (pair.color) add_overlays(*pair.depth, *pair.color, own, after, report);
+        return {};
+    }
+    if (depth.empty()) return {};
+    const ViewDepth& middle = depth[depth.size() / 2];
+    if (middle.color) add_overlays(*middle.frame, *middle.color, before, after, report);
+    return {};
+}
+
+// --drift and --wall also go alone.
+bool needs_no_board(const Options& o) {
+    return (!o.drift.empty() || !o.wall.empty()) && o.images.empty() && o.pairs.empty() &&
+           o.session.empty() && o.uri.empty();
+}
+
+Result<void> run_without_board(const Options& options) {
+    Report report;
+    report.title = "Depth of a still scene";
+    if (!options.wall.empty()) {
+        KINO_ASSIGN(const BiasFit fit, bias_of_wall(options.wall, kCheckFrames));
+        report.notes.push_back(bias_text(fit));
+        KINO_ASSIGN(const auto source, open_source(options.wall));
+        const std::string serial = options.serial.empty() ? source->info().serial : options.serial;
+        // Beside the calibration that the recording was made with, whose file this is to be.
+        if (!options.outputs.rig.empty()) {
+            KINO_TRY(write_bias_beside(options.outputs.rig, fit.bias, serial));
+        }
+        if (options.keep) {
+            if (serial.empty()) {
+                return fail("the device has no serial number to keep its bias under", options.wall,
+                            "state one with --serial");
+            }
+            KINO_ASSIGN(const auto folder, calibration_folder());
+            KINO_TRY(write_bias_beside(calibration_file(folder, serial), fit.bias, serial));
+        }
+    }
+    if (!options.drift.empty()) {
+        KINO_ASSIGN(report.drift, drift_of(options.drift));
+        report.notes.push_back("drift " + drift_text(*report.drift));
+    }
+    if (!options.outputs.report.empty()) KINO_TRY(write_report(options.outputs.report, report));
+    if (options.json) {
+        fmt::print("{}", report_json(report));
+    } else {
+        for (const std::string& note : report.notes) fmt::print("{}\n", note);
+    }
+    return {};
+}
+
 Result<void> run(const Options& options) {
     if (!options.check.empty()) {
         KINO_ASSIGN(const SessionCheck check, check_session(options.check, kCheckFrames));
         fmt::print("{}", check_text(check));
         return {};
     }
+    if (needs_no_board(options)) return run_without_board(options);
     KINO_ASSIGN(const Board board, parse_board(options.board));
     CalibrateOptions how;
     how.progress = say;
@@ -162,16 +222,32 @@ Result<void> run(const Options& options) {
         KINO_ASSIGN(SessionCheck check, check_session(options.depth, kCheckFrames));
         report.planes = std::move(check.planes);
     }
-    RigParameters rig = rig_of(report.calibration, base_rig(options),
-                               {options.depth_shift[0], options.depth_shift[1]});
+    if (!options.drift.empty()) {
+        KINO_ASSIGN(report.drift, drift_of(options.drift));
+    }
+    const RigParameters before = base_rig(options);
+    RigParameters rig =
+        rig_of(report.calibration, before, {options.depth_shift[0], options.depth_shift[1]});
     // The board stands where the infrared camera, which is the depth camera, saw it.
     const bool from_infrared =
         report.calibration.cameras[0].name == stream_name(StreamKind::infrared);
-    if (from_infrared) use_board_depth(report.calibration, board, depth, rig, report.notes);
-    KINO_TRY(write_outputs(options.outputs, report, rig));
+    std::optional<BiasFit> fit;
+    if (from_infrared) {
+        fit = use_board_depth(report.calibration, board, depth, rig, report.notes);
+    }
+    std::optional<DepthBias> bias;
+    if (fit) bias = fit->bias;
+    if (!options.wall.empty()) {
+        KINO_ASSIGN(const BiasFit wall, bias_of_wall(options.wall, kCheckFrames));
+        report.notes.push_back(bias_text(wall));
+        bias = wall.bias;
+    }
+    KINO_TRY(show_overlays(options, depth, before, rig, report));
+    KINO_TRY(write_outputs(options.outputs, report, rig, bias));
     if (options.keep) {
         KINO_ASSIGN(const auto folder, calibration_folder());
         KINO_ASSIGN(const auto file, store_calibration(folder, rig));
+        KINO_TRY(write_bias_beside(file, bias, rig.serial));
         say("kept as " + file.string());
     }
     if (options.json) {
@@ -221,6 +297,11 @@ void add_options(CLI::App& app, Options& o) {
         ->excludes(pairs)
         ->excludes(session)
         ->excludes(uri);
+    app.add_option("--wall", o.wall,
+                   "session or device before a flat wall: bias of each part of the depth picture; "
+                   "written beside --out or, with --keep, beside the device's calibration");
+    app.add_option("--drift", o.drift,
+                   "long session of a still scene: how its depth drifts while the sensor warms up");
     app.add_option("--depth", o.depth, "session whose flat parts show the depth error by distance");
     app.add_option("--out", o.outputs.rig, "calibration as Kinoscope reads it (JSON)");
     app.add_option("--report", o.outputs.report, "folder for report.html and report.json");

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "calibration/files/camera_text.h"
+#include "calibration/report/overlay_picture.h"
+#include "sensor/color_conversion.h"
 #include "sensor/convert/k4a_calibration.h"
 #include "sensor/file_bytes.h"
 #include "sensor/rig_json.h"
@@ -41,8 +45,42 @@ RigParameters rig_of(const Calibration& calibration, RigParameters base,
     return rig;
 }
 
-Result<void> write_outputs(const Outputs& outputs, const Report& report, const RigParameters& rig) {
-    if (!outputs.rig.empty()) KINO_TRY(write_rig_file(outputs.rig, rig));
+Result<void> write_bias_beside(const fs::path& rig_file, const std::optional<DepthBias>& bias,
+                               const std::string& serial) {
+    const fs::path file = bias_file_beside(rig_file);
+    if (bias) {
+        if (file.has_parent_path()) KINO_TRY(make_folder(file.parent_path()));
+        return write_bias_file(file, *bias, serial);
+    }
+    std::error_code error;
+    fs::remove(file, error);
+    if (error) return fail(error.message(), file.string());
+    return {};
+}
+
+void add_overlays(const DepthFrame& depth, const ColorFrame& color, const RigParameters& before,
+                  const RigParameters& after, Report& report) {
+    Image<Rgba8> photo;
+    if (!to_rgba8(color, photo)) return;
+    std::vector<ReportPicture> pictures;
+    for (const auto& [rig, caption] :
+         {std::pair(&before, "before: the calibration that came with the recording"),
+          std::pair(&after, "after: this calibration")}) {
+        const auto drawn = depth_over_color(depth, photo, *rig);
+        if (!drawn) return;
+        auto picture = report_picture(caption, *drawn);
+        if (!picture) return;
+        pictures.push_back(std::move(*picture));
+    }
+    report.overlays = std::move(pictures);
+}
+
+Result<void> write_outputs(const Outputs& outputs, const Report& report, const RigParameters& rig,
+                           const std::optional<DepthBias>& bias) {
+    if (!outputs.rig.empty()) {
+        KINO_TRY(write_rig_file(outputs.rig, rig));
+        KINO_TRY(write_bias_beside(outputs.rig, bias, rig.serial));
+    }
     if (!outputs.report.empty()) KINO_TRY(write_report(outputs.report, report));
     std::vector<NamedCamera> cameras = {{report.calibration.cameras[0].name, rig.depth}};
     if (rig.color) cameras.push_back({report.calibration.cameras[1].name, *rig.color});

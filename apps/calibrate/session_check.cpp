@@ -8,6 +8,7 @@
 #include "apps/interrupt.h"
 #include "calibration/boards/grey_picture.h"
 #include "calibration/solve/edge_alignment.h"
+#include "calibration/solve/mutual_alignment.h"
 #include "sensor/source.h"
 
 namespace kino {
@@ -17,6 +18,8 @@ constexpr double kStandsOut = 3;  // sharpness of a place that can be believed
 // Depth contours themselves are good to a pixel or two; who calibrates again wants to gain more.
 constexpr double kGoodPx = 3;
 constexpr int kVerdictFrames = 3;
+constexpr int kMutualEvery = 10;
+constexpr double kMutualReachPx = 12;
 
 double median(std::vector<double> values) {
     if (values.empty()) return 0;
@@ -49,6 +52,10 @@ Result<SessionCheck> check_session(const std::string& uri, int frames) {
     std::vector<FlatPart> parts;
     std::vector<double> dx;
     std::vector<double> dy;
+    std::vector<double> mutual_dx;
+    std::vector<double> mutual_dy;
+    std::vector<double> bits;
+    std::vector<double> best_bits;
     RegisteredDepth registered;
     while (out.frames < frames && !interrupted()) {
         KINO_ASSIGN(const auto set, source->next(kNsPerSecond));
@@ -63,6 +70,15 @@ Result<SessionCheck> check_session(const std::string& uri, int frames) {
         parts.insert(parts.end(), more.begin(), more.end());
         if (!out.has_color || !set->color || !set->color_paired) continue;
         KINO_ASSIGN(const GreyPicture grey, grey_of(*set->color));
+        // Dear, and the frames of a second are much alike.
+        if (out.frames % kMutualEvery == 1) {
+            if (const auto mutual = mutual_alignment(registered.depth_m, registered.uv, grey)) {
+                mutual_dx.push_back(mutual->dx_px);
+                mutual_dy.push_back(mutual->dy_px);
+                bits.push_back(mutual->bits);
+                best_bits.push_back(mutual->best_bits);
+            }
+        }
         const auto place = edge_alignment(registered.depth_m, registered.uv, grey);
         if (!place || place->sharpness < kStandsOut) continue;
         dx.push_back(place->dx_px);
@@ -71,6 +87,11 @@ Result<SessionCheck> check_session(const std::string& uri, int frames) {
     if (out.frames == 0) return fail("no depth is in this source", uri);
     out.planes = by_distance(parts);
     out.aligned_frames = static_cast<int>(dx.size());
+    out.mutual_frames = static_cast<int>(bits.size());
+    out.mutual_dx_px = median(mutual_dx);
+    out.mutual_dy_px = median(mutual_dy);
+    out.bits = median(bits);
+    out.best_bits = median(best_bits);
     out.dx_px = median(dx);
     out.dy_px = median(dy);
     std::vector<double> off;
@@ -89,6 +110,15 @@ std::string check_text(const SessionCheck& check) {
     }
     if (check.planes.empty()) out += "nothing flat was seen\n";
     if (!check.has_color) return out + "no colour camera: contours cannot be compared\n";
+    if (check.mutual_frames > 0) {
+        // At the border of the search there is no best place, only a slope.
+        const bool found =
+            std::max(std::abs(check.mutual_dx_px), std::abs(check.mutual_dy_px)) < kMutualReachPx;
+        out += fmt::format("depth and colour share {:.3f} bits, ", check.bits);
+        out += found ? fmt::format("at most {:.3f}, moved by {:+.1f}, {:+.1f} px\n",
+                                   check.best_bits, check.mutual_dx_px, check.mutual_dy_px)
+                     : fmt::format("and no clear best place within {:.0f} px\n", kMutualReachPx);
+    }
     if (check.aligned_frames == 0) {
         return out + "no frame has contours clear enough to compare depth with colour\n";
     }

@@ -15,7 +15,12 @@ struct SessionCheck {
     /// contours, colour px, over the frames whose best place stands out.
     double dx_px = 0, dy_px = 0;
     double spread_px = 0;  ///< median distance of the frames' places from that
-    int frames = 0;        ///< depth frames seen
+    /// The same by mutual information, and how many bits depth and colour share where the
+    /// calibration puts the depth, and at the best place.
+    double mutual_dx_px = 0, mutual_dy_px = 0;
+    double bits = 0, best_bits = 0;
+    int mutual_frames = 0;
+    int frames = 0;  ///< depth frames seen
     int aligned_frames = 0;
     bool has_color = false;
 };

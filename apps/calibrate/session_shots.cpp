@@ -34,7 +34,8 @@ class Capture {
             if (!good) continue;
             const std::string view = fmt::format("frame {}", set->index);
             KINO_TRY(gathering.add(view, source_.look(pictures, false)));
-            if (set->depth) depth.push_back({view, set->depth});
+            if (set->depth)
+                depth.push_back({view, set->depth, set->color_paired ? set->color : nullptr});
             taken_.push_back(quick);
             if (progress) progress(fmt::format("view {}: frame {}", taken_.size(), set->index));
         }

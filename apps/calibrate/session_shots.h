@@ -13,10 +13,11 @@
 
 namespace kino {
 
-/// The depth that came with a view.
+/// The depth that came with a view, and the colour beside it (null where none is near in time).
 struct ViewDepth {
     std::string view;
     std::shared_ptr<const DepthFrame> frame;
+    std::shared_ptr<const ColorFrame> color;
 };
 
 struct SessionShotsOptions {

@@ -14,6 +14,9 @@ namespace {
 
 using Points = std::vector<cv::Point2f>;
 
+constexpr int kHalvedAbove = 500;      // px wide
+constexpr int kOnlyHalvedAbove = 800;  // px wide
+
 // OpenCV only reads the pixels.
 cv::Mat as_mat(const GreyPicture& picture) {
     return {picture.height(), picture.width(), CV_8UC1, const_cast<std::uint8_t*>(picture.data())};
@@ -79,14 +82,17 @@ bool find_chess(const cv::Mat& picture, const Board& board, bool quick, Points& 
     const cv::Size size(board.columns, board.rows);
     const int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
                       (quick ? static_cast<int>(cv::CALIB_CB_FAST_CHECK) : 0);
-    const bool halve = quick && picture.cols > 800;
-    cv::Mat small;
-    if (halve) cv::resize(picture, small, {}, 0.5, 0.5, cv::INTER_AREA);
-    if (!cv::findChessboardCorners(halve ? small : picture, size, corners, flags)) {
-        if (quick || !cv::findChessboardCornersSB(picture, size, corners)) return false;
-    } else if (halve) {
+    bool found = false;
+    if (quick && picture.cols > kHalvedAbove) {
+        cv::Mat small;
+        cv::resize(picture, small, {}, 0.5, 0.5, cv::INTER_AREA);
+        found = cv::findChessboardCorners(small, size, corners, flags);
         for (auto& p : corners) p = p * 2 + cv::Point2f(0.5f, 0.5f);
+        // A board too small for the half picture is worth a second look only where that is cheap.
+        if (!found && picture.cols > kOnlyHalvedAbove) return false;
     }
+    if (!found) found = cv::findChessboardCorners(picture, size, corners, flags);
+    if (!found && (quick || !cv::findChessboardCornersSB(picture, size, corners))) return false;
     // The window must not reach the next corner.
     const int reach = std::clamp(static_cast<int>(0.4 * shortest_pitch(board, corners)), 2, 11);
     cv::cornerSubPix(

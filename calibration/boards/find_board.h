@@ -29,8 +29,9 @@ struct BoardSighting {
 };
 
 struct FindBoardOptions {
-    /// For live guidance: the fast detector alone, at half the size where a picture is wider than
-    /// 800 px; nothing is tried twice.
+    /// For live guidance: the fast detector alone, on the picture at half its size where it is wider
+    /// than 500 px (up to 800 px then at its own size if nothing was found); sub-pixel always on the
+    /// whole picture.
     bool quick = false;
 };
 

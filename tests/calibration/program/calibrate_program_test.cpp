@@ -99,6 +99,7 @@ TEST(CalibrateProgram, CheckNeedsNoBoard) {
     ASSERT_EQ(desk.exit_code, 0) << desk.err;
     EXPECT_THAT(desk.out, HasSubstr("flat parts at 0.9"));
     EXPECT_THAT(desk.out, HasSubstr("the calibration still holds"));
+    EXPECT_THAT(desk.out, HasSubstr("depth and colour share 0."));
     const Ran bust = run("--check recordings/bust", temp);
     ASSERT_EQ(bust.exit_code, 0) << bust.err;
     EXPECT_EQ(run("--check recordings/nowhere", temp).exit_code, 1);
