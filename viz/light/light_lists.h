@@ -13,7 +13,7 @@ namespace kino {
 enum class DepthCells : std::uint8_t { none, linear, logarithmic };
 
 struct LightListOptions {
-    std::uint32_t tile_px = 16;    ///< 8, 16 or 32
+    std::uint32_t tile_px = 8;     ///< 8, 16 or 32
     std::uint32_t capacity = 256;  ///< lights a tile; what does not fit is dropped and counted
     DepthCells cells = DepthCells::linear;
     bool two_level = true;  ///< macro tiles first
