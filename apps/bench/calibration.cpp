@@ -258,7 +258,18 @@ void bench_detection(BenchContext& context) {
     // One that is not in the picture.
     const auto other = parse_board("charuco:14x9:40:30:6");
     if (!picture || !board || !other) return context.fail({"no picture of a board", kData, ""});
+    // Full of corners, but of another board: the detector's hard case.
+    const auto large = read_grey(kData + "azure-charuco/color-0.jpg");
+    if (!large || large->width() < 640 || large->height() < 480) {
+        return context.fail({"no picture of a board", kData, ""});
+    }
+    GreyPicture clutter(640, 480);
+    for (int y = 0; y < 480; ++y) {
+        for (int x = 0; x < 640; ++x) clutter.at(x, y) = large->at(x, y);
+    }
     const std::vector<bench::Candidate> candidates = {
+        {"guided, sought in vain among other corners",
+         [&] { (void)find_board(clutter, *board, {.quick = true}); }},
         {"guided", [&] { (void)find_board(*picture, *board, {.quick = true}); }},
         {"thorough", [&] { (void)find_board(*picture, *board); }},
         {"guided, ChArUco sought in vain",

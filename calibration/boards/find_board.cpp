@@ -14,8 +14,7 @@ namespace {
 
 using Points = std::vector<cv::Point2f>;
 
-constexpr int kHalvedAbove = 500;      // px wide
-constexpr int kOnlyHalvedAbove = 800;  // px wide
+constexpr int kHalvedAbove = 500;  // px wide
 
 // OpenCV only reads the pixels.
 cv::Mat as_mat(const GreyPicture& picture) {
@@ -88,8 +87,8 @@ bool find_chess(const cv::Mat& picture, const Board& board, bool quick, Points& 
         cv::resize(picture, small, {}, 0.5, 0.5, cv::INTER_AREA);
         found = cv::findChessboardCorners(small, size, corners, flags);
         for (auto& p : corners) p = p * 2 + cv::Point2f(0.5f, 0.5f);
-        // A board too small for the half picture is worth a second look only where that is cheap.
-        if (!found && picture.cols > kOnlyHalvedAbove) return false;
+        // A second look at the whole picture would take too long among other corners.
+        if (!found) return false;
     }
     if (!found) found = cv::findChessboardCorners(picture, size, corners, flags);
     if (!found && (quick || !cv::findChessboardCornersSB(picture, size, corners))) return false;
