@@ -68,7 +68,7 @@ void add_barrier(ActorRandom& random, const dvec3& person, double top_m,
     const double near = random.in(0.22, 0.55), deep = random.in(0.02, 0.3);
     const dvec3 half(random.in(0.5, 1.6), top_m / 2, deep / 2);
     const dvec3 at(person.x + random.in(-0.4, 0.4), top_m / 2, person.z + near + deep / 2);
-    out.push_back(box(at, half, kPartThing, Material::wood,
+    out.push_back(box(at, half, kPartThing, Covering::wood,
                       glm::mat3_cast(glm::angleAxis(random.normal(0, 0.15), dvec3(0, 1, 0)))));
 }
 
@@ -119,7 +119,7 @@ Shot draw_shot(ActorRandom& random, const CameraModel& camera) {
         const dvec3 half(random.in(0.08, 0.28), random.in(0.08, 0.25), random.in(0.03, 0.15));
         const dvec3 at =
             middle + forward * random.in(0.25, 0.42) + dvec3(0, random.in(-0.1, 0.3), 0);
-        shot.solids.push_back(box(at, half, kPartThing, Material::wood));
+        shot.solids.push_back(box(at, half, kPartThing, Covering::wood));
     }
     if (random.chance(0.05)) {
         shot.others.emplace_back(make_actor_body(random_look(random.bits())),
@@ -130,7 +130,7 @@ Shot draw_shot(ActorRandom& random, const CameraModel& camera) {
     }
     shot.wall_m = -place.z + random.in(0.4, 3.5);
     constexpr double kFar = 20;
-    shot.solids.push_back(box({0, -0.5, 0}, {kFar, 0.5, kFar}, kPartFloor, Material::floor));
+    shot.solids.push_back(box({0, -0.5, 0}, {kFar, 0.5, kFar}, kPartFloor, Covering::floor));
     // The floor's neighbourhood is cut off the body by who finds people, by more or less.
     shot.floor_cut_m = random.chance(0.5) ? random.in(0.0, 0.05) : 0;
     return shot;

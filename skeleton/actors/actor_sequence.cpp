@@ -49,7 +49,7 @@ Primitive box_between_hands(const PosedBones& bones) {
     const glm::dmat3& chest = bones.turn[bone_index(ActorBone::chest)];
     return box((left + right) / 2.0 + chest[2] * 0.05,
                {std::max(0.05, glm::distance(left, right) / 2 - 0.03), 0.17, 0.14}, kPartThing,
-               Material::wood, chest);
+               Covering::wood, chest);
 }
 
 class StagedSequence : public ActorSequence {
@@ -146,7 +146,7 @@ void StagedSequence::furnish(ActorRandom& random, double distance) {
         }
         first.pose(0);
         solids.push_back(
-            box({reach + 0.125, 1.2, -distance}, {0.10, 1.5, 1.2}, kPartThing, Material::wall));
+            box({reach + 0.125, 1.2, -distance}, {0.10, 1.5, 1.2}, kPartThing, Covering::wall));
     }
     for (const Player& player : players_) {
         if (!player.motion->props().seat) continue;

@@ -16,7 +16,7 @@ dmat3 yawed(double rad) {
 }
 
 Primitive block(const dvec3& center, const dvec3& half, const dmat3& turn = dmat3(1)) {
-    return box(center, half, kPartThing, Material::wood, turn);
+    return box(center, half, kPartThing, Covering::wood, turn);
 }
 
 }  // namespace
@@ -116,7 +116,7 @@ void add_thing(ActorRandom& random, const dvec3& at, std::vector<Primitive>& out
     if (random.chance(0.3)) {
         const double radius = random.in(0.05, 0.25), high = random.in(0.3, 1.3);
         out.push_back(round_cone({at.x, radius, at.z}, {at.x, high, at.z}, radius,
-                                 radius * random.in(0.4, 1.0), kPartThing, Material::wood));
+                                 radius * random.in(0.4, 1.0), kPartThing, Covering::wood));
         return;
     }
     const dvec3 half(random.in(0.1, 0.5), random.in(0.15, 0.9), random.in(0.1, 0.35));

@@ -110,7 +110,7 @@ void ColorSensor::draw(std::span<const Primitive> person, const Body* body,
         spots.strength[i] = static_cast<float>(strength);
         rect = join(rect, seen_.view().bounds(ellipsoid({p.x, 0, p.z}, glm::dmat3(1),
                                                         {radius, 0.002, radius}, kPartNone,
-                                                        Material::floor)));
+                                                        Covering::floor)));
     }
     if (any_pixel(rect)) {
         k.darken(spots, rect, seen_.target(), floor_x_.data(), floor_z_.data(),

@@ -142,7 +142,7 @@ vec3 floor_albedo(const dvec3& p) {
     const double along = p.z / kLength + hash01(c, 3, 1);
     const int r = static_cast<int>(std::floor(along));
     const float tone = 0.80f + 0.30f * hash01(c, r, 2);
-    vec3 base = wood(albedo(Material::floor) * tone, p.z + 7 * hash01(c, r, 5), p.x, 11);
+    vec3 base = wood(albedo(Covering::floor) * tone, p.z + 7 * hash01(c, r, 5), p.x, 11);
     const double in_x = (p.x / kPlank - column) * kPlank;
     const double in_z = (along - r) * kLength;
     const double gap = std::min({in_x, kPlank - in_x, in_z, kLength - in_z});
@@ -183,7 +183,7 @@ vec3 painting(double x, double y) {
 
 }  // namespace
 
-vec3 albedo(Material material) {
+vec3 albedo(Covering material) {
     return kAlbedo[static_cast<std::size_t>(material)];
 }
 
@@ -191,9 +191,9 @@ raycast::Paint paint_of(const Primitive& solid) {
     raycast::Paint paint;
     const vec3 base = albedo(solid.material);
     for (int c = 0; c < 3; ++c) paint.albedo[c] = base[c];
-    const bool cloth = solid.material == Material::shirt || solid.material == Material::trousers;
-    const bool hair = solid.material == Material::hair;
-    if (solid.material == Material::skin) paint.wrap = 0.45f;
+    const bool cloth = solid.material == Covering::shirt || solid.material == Covering::trousers;
+    const bool hair = solid.material == Covering::hair;
+    if (solid.material == Covering::skin) paint.wrap = 0.45f;
     if (cloth || hair) {
         paint.fold = hair ? 0.22f : 0.085f;
         const double per_m = hair ? 95 : 11;
@@ -230,17 +230,17 @@ vec3 color_of_room(const RoomBox& room, int plane, const dvec3& p) {
         const double d = other % 2 == 0 ? p[a] - room.min_m[a] : room.max_m[a] - p[a];
         open *= 1 - 0.30f * static_cast<float>(std::exp(-std::max(d, 0.0) / 0.20));
     }
-    vec3 base = albedo(Material::wall);
+    vec3 base = albedo(Covering::wall);
     if (plane == 2) {
         base = floor_albedo(p);
         const double x = p.x / 1.15, z = (p.z + 2.72) / 0.72;
         if (std::abs(x) < 1 && std::abs(z) < 1) base = rug_albedo(x, z);
     } else if (plane == 3) {
-        base = albedo(Material::ceiling);
+        base = albedo(Covering::ceiling);
     } else {
         if (plane == 4) base = hex(0xA9BDB4);
         base *= 0.97f + 0.06f * noise(p.x * 40 + p.z * 40, p.y * 40, 77);
-        if (p.y < 0.10) base = albedo(Material::white_paint) * (p.y > 0.092 ? 0.7f : 1.0f);
+        if (p.y < 0.10) base = albedo(Covering::white_paint) * (p.y > 0.092 ? 0.7f : 1.0f);
     }
     return lit(base, n, p, open);
 }
@@ -258,10 +258,10 @@ vec3 color_of_solid(const Primitive& solid, const dvec3& p) {
         n = solid.axes * face;
         const int longest = solid.half.x > solid.half.y ? (solid.half.x > solid.half.z ? 0 : 2)
                                                         : (solid.half.y > solid.half.z ? 1 : 2);
-        if (solid.material == Material::wood || solid.material == Material::dark_wood) {
+        if (solid.material == Covering::wood || solid.material == Covering::dark_wood) {
             base =
                 wood(base, local[longest], local[(longest + 1) % 3] + local[(longest + 2) % 3], 21);
-        } else if (solid.material == Material::picture && axis == 2) {
+        } else if (solid.material == Covering::picture && axis == 2) {
             base = painting(local.x / solid.half.x, local.y / solid.half.y);
         } else if (solid.part == kPartThing && axis != 0) {
             // Spines: a light band, so that books look like books.
@@ -276,8 +276,8 @@ vec3 color_of_solid(const Primitive& solid, const dvec3& p) {
             std::clamp((local.y - s * solid.radius_a) / (1 - s * s), 0.0, solid.height);
         n = glm::normalize(glm::transpose(glm::inverse(solid.axes)) *
                            (local - dvec3(0, center, 0)));
-        if (solid.material == Material::leaf) base *= 0.75f + 0.5f * noise(p.x * 30, p.z * 30, 5);
-        if (solid.material == Material::shade_cloth) return base * 1.05f;
+        if (solid.material == Covering::leaf) base *= 0.75f + 0.5f * noise(p.x * 30, p.z * 30, 5);
+        if (solid.material == Covering::shade_cloth) return base * 1.05f;
     }
     if (solid.part == kPartShelf || (solid.part == kPartThing && p.z < -4.0)) {
         // Deeper in the shelf and just below a board it is darker.

@@ -9,7 +9,7 @@
 namespace kino {
 
 /// Linear colour without light.
-[[nodiscard]] glm::vec3 albedo(Material material);
+[[nodiscard]] glm::vec3 albedo(Covering material);
 
 /// How the person's solid is painted.
 [[nodiscard]] raycast::Paint paint_of(const Primitive& solid);

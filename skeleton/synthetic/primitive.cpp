@@ -17,13 +17,13 @@ glm::dvec3 any_orthogonal(const glm::dvec3& unit) {
 }  // namespace
 
 Primitive round_cone(const glm::dvec3& a, const glm::dvec3& b, double radius_a, double radius_b,
-                     PartId part, Material material) {
+                     PartId part, Covering material) {
     return flat_cone(a, b, radius_a, radius_b, glm::dvec3(1, 0, 0), 1, 1, part, material);
 }
 
 Primitive flat_cone(const glm::dvec3& a, const glm::dvec3& b, double radius_a, double radius_b,
                     const glm::dvec3& side, double wide, double deep, PartId part,
-                    Material material) {
+                    Covering material) {
     KINO_CHECK(radius_a > 0 && radius_b > 0 && wide > 0 && deep > 0);
     Primitive p;
     p.part = part;
@@ -42,7 +42,7 @@ Primitive flat_cone(const glm::dvec3& a, const glm::dvec3& b, double radius_a, d
 }
 
 Primitive ellipsoid(const glm::dvec3& center, const glm::dmat3& rotation, const glm::dvec3& radii,
-                    PartId part, Material material) {
+                    PartId part, Covering material) {
     KINO_CHECK(radii.x > 0 && radii.y > 0 && radii.z > 0);
     Primitive p;
     p.part = part;
@@ -53,7 +53,7 @@ Primitive ellipsoid(const glm::dvec3& center, const glm::dmat3& rotation, const 
     return p;
 }
 
-Primitive box(const glm::dvec3& center, const glm::dvec3& half, PartId part, Material material,
+Primitive box(const glm::dvec3& center, const glm::dvec3& half, PartId part, Covering material,
               const glm::dmat3& rotation) {
     KINO_CHECK(half.x > 0 && half.y > 0 && half.z > 0);
     Primitive p;

@@ -27,7 +27,7 @@ constexpr PartId kPartPicture = 46;
     return part >= 1 && part <= 20;
 }
 
-enum class Material : std::uint8_t {
+enum class Covering : std::uint8_t {
     skin,
     lips,
     hair,
@@ -75,25 +75,25 @@ struct Primitive {
     double height = 0, radius_a = 0, radius_b = 0;
     glm::dvec3 half{0};  ///< box, local: |p| <= half
     PartId part = kPartNone;
-    Material material = Material::black;
+    Covering material = Covering::black;
 };
 
 /// Hull of two balls; a zero length, or one ball inside the other, gives the larger ball.
 /// Radii > 0, metres.
 [[nodiscard]] Primitive round_cone(const glm::dvec3& a, const glm::dvec3& b, double radius_a,
-                                   double radius_b, PartId part, Material material);
+                                   double radius_b, PartId part, Covering material);
 
 /// As above with the cross section scaled by `wide` along `side` (made orthogonal to the axis) and
 /// by `deep` across it.
 [[nodiscard]] Primitive flat_cone(const glm::dvec3& a, const glm::dvec3& b, double radius_a,
                                   double radius_b, const glm::dvec3& side, double wide, double deep,
-                                  PartId part, Material material);
+                                  PartId part, Covering material);
 
 /// `rotation` columns are the directions of the radii.
 [[nodiscard]] Primitive ellipsoid(const glm::dvec3& center, const glm::dmat3& rotation,
-                                  const glm::dvec3& radii, PartId part, Material material);
+                                  const glm::dvec3& radii, PartId part, Covering material);
 
 [[nodiscard]] Primitive box(const glm::dvec3& center, const glm::dvec3& half, PartId part,
-                            Material material, const glm::dmat3& rotation = glm::dmat3(1));
+                            Covering material, const glm::dmat3& rotation = glm::dmat3(1));
 
 }  // namespace kino

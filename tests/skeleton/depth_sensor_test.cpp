@@ -120,7 +120,7 @@ TEST(DepthSensor, EveryReadingDecodesInsideTheRange) {
 SyntheticScene plate_before_wall(double plate_m, double wall_m, double half_width) {
     SyntheticScene scene = facing_wall(wall_m);
     scene.furniture = {
-        box({0, 1, -plate_m - 1e-4}, {half_width, 0.3, 1e-4}, kPartThing, Material::red)};
+        box({0, 1, -plate_m - 1e-4}, {half_width, 0.3, 1e-4}, kPartThing, Covering::red)};
     return scene;
 }
 

@@ -130,16 +130,16 @@ Primitive random_solid(test::Random& random) {
     const double ra = random.real(0.02, 0.2), rb = random.real(0.02, 0.2);
     switch (random.integer(0, 3)) {
         case 0:
-            return round_cone(a, b, ra, rb, kPartThing, Material::red);
+            return round_cone(a, b, ra, rb, kPartThing, Covering::red);
         case 1:
             return flat_cone(a, b, ra, rb, {1, 0.2, 0.1}, random.real(0.5, 1.6),
-                             random.real(0.4, 1.3), kPartThing, Material::red);
+                             random.real(0.4, 1.3), kPartThing, Covering::red);
         case 2:
             return ellipsoid(
                 a, glm::mat3_cast(glm::angleAxis(random.real(0, 6), glm::normalize(b - a))),
-                {ra, rb, random.real(0.02, 0.2)}, kPartThing, Material::red);
+                {ra, rb, random.real(0.02, 0.2)}, kPartThing, Covering::red);
         default:
-            return box(a, {ra, rb, random.real(0.02, 0.2)}, kPartThing, Material::red,
+            return box(a, {ra, rb, random.real(0.02, 0.2)}, kPartThing, Covering::red,
                        glm::mat3_cast(glm::angleAxis(random.real(0, 6), glm::normalize(b - a))));
     }
 }
@@ -159,9 +159,9 @@ TEST(HardCases, CameraInsideASolidLooksThroughIt) {
     SyntheticScene scene = bare_scene();
     const Visibility empty = see(scene, 0);
     scene.furniture = {
-        ellipsoid({0, 1, 0}, glm::dmat3(1), {0.3, 0.4, 0.3}, kPartThing, Material::red),
-        box({0, 1, 0}, {0.2, 0.2, 0.2}, kPartThing, Material::red),
-        round_cone({0, 0.8, 0}, {0, 1.4, 0.1}, 0.2, 0.3, kPartThing, Material::red)};
+        ellipsoid({0, 1, 0}, glm::dmat3(1), {0.3, 0.4, 0.3}, kPartThing, Covering::red),
+        box({0, 1, 0}, {0.2, 0.2, 0.2}, kPartThing, Covering::red),
+        round_cone({0, 0.8, 0}, {0, 1.4, 0.1}, 0.2, 0.3, kPartThing, Covering::red)};
     const Visibility within = see(scene, 0);
     EXPECT_EQ(empty.z_m(), within.z_m());
     expect_close(compare(scene, 0));
@@ -171,20 +171,20 @@ TEST(HardCases, SolidsBehindTheCameraAreNotSeen) {
     SyntheticScene scene = bare_scene();
     const Visibility empty = see(scene, 0);
     scene.furniture = {
-        round_cone({0, 1, 0.3}, {0.2, 1.1, 0.6}, 0.1, 0.2, kPartThing, Material::red),
-        box({0, 1, 0.3}, {0.5, 0.5, 0.1}, kPartThing, Material::red)};
+        round_cone({0, 1, 0.3}, {0.2, 1.1, 0.6}, 0.1, 0.2, kPartThing, Covering::red),
+        box({0, 1, 0.3}, {0.5, 0.5, 0.1}, kPartThing, Covering::red)};
     EXPECT_EQ(empty.z_m(), see(scene, 0).z_m());
 }
 
 TEST(HardCases, ACapsuleOfZeroLengthIsABall) {
     const dvec3 at(0.2, 1.1, -2);
-    const Primitive capsule = round_cone(at, at, 0.15, 0.10, kPartThing, Material::red);
+    const Primitive capsule = round_cone(at, at, 0.15, 0.10, kPartThing, Covering::red);
     EXPECT_EQ(capsule.height, 0);
     EXPECT_EQ(capsule.radius_a, 0.15);
     SyntheticScene scene = bare_scene();
     scene.furniture = {capsule};
     const Visibility seen = see(scene, 0);
-    scene.furniture = {ellipsoid(at, glm::dmat3(1), dvec3(0.15), kPartThing, Material::red)};
+    scene.furniture = {ellipsoid(at, glm::dmat3(1), dvec3(0.15), kPartThing, Covering::red)};
     const Visibility ball = see(scene, 0);
     EXPECT_EQ(seen.id(), ball.id());
     EXPECT_GT(std::count(seen.id().pixels().begin(), seen.id().pixels().end(), 0), 500);
@@ -193,7 +193,7 @@ TEST(HardCases, ACapsuleOfZeroLengthIsABall) {
 
 TEST(HardCases, ABallWithinTheOtherVanishes) {
     const Primitive p =
-        round_cone({0, 1, -2}, {0, 1.05, -2}, 0.05, 0.20, kPartThing, Material::red);
+        round_cone({0, 1, -2}, {0, 1.05, -2}, 0.05, 0.20, kPartThing, Covering::red);
     EXPECT_EQ(p.height, 0);
     EXPECT_EQ(p.radius_a, 0.20);
     EXPECT_EQ(p.origin_m, dvec3(0, 1.05, -2));
@@ -208,7 +208,7 @@ TEST(HardCases, PosesThatAreNotRigidAreRefused) {
     scene.world_from_depth.rotation = {2, 0, 0, 0};
     EXPECT_FALSE(validate(scene));
     scene = bare_scene();
-    scene.furniture = {box({0, INFINITY, 0}, {1, 1, 1}, kPartThing, Material::red)};
+    scene.furniture = {box({0, INFINITY, 0}, {1, 1, 1}, kPartThing, Covering::red)};
     EXPECT_FALSE(validate(scene));
     scene = bare_scene();
     scene.room.max_m.y = -1;

@@ -286,7 +286,7 @@ TEST(ColorSensor, SeesAPointWhereItsDistortionPutsIt) {
         const glm::dvec3 seen = glm::dvec3(ray, 1) * 1.2;
         const glm::dvec3 place = inverse(color_from_world) * seen;
         scene.furniture = {
-            ellipsoid(place, glm::dmat3(1), glm::dvec3(0.015), kPartThing, Material::red)};
+            ellipsoid(place, glm::dmat3(1), glm::dvec3(0.015), kPartThing, Covering::red)};
         ColorSensor sensor(scene);
         std::vector<std::uint32_t> rgba(640 * 480);
         sensor.draw({}, nullptr, rgba);

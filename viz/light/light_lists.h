@@ -14,7 +14,7 @@ enum class DepthCells : std::uint8_t { none, linear, logarithmic };
 
 struct LightListOptions {
     std::uint32_t tile_px = 8;     ///< 8, 16 or 32
-    std::uint32_t capacity = 256;  ///< lights a tile; what does not fit is dropped and counted
+    std::uint32_t capacity = 512;  ///< lights a tile; what does not fit is dropped and counted
     DepthCells cells = DepthCells::linear;
     bool two_level = true;  ///< macro tiles first
     /// For blended surfaces: from the near plane to the farthest opaque depth, without cells.

@@ -28,6 +28,9 @@ constexpr std::uint32_t kFixedVertex[] = {
 constexpr std::uint32_t kSurfaceFragment[] = {
 #include "mesh_surface_frag.inc"
 };
+constexpr std::uint32_t kPlainFragment[] = {
+#include "mesh_surface_plain_frag.inc"
+};
 constexpr std::uint32_t kSeedVertex[] = {
 #include "fullscreen_vert.inc"
 };
@@ -207,8 +210,10 @@ MeshDrawer::Drawn MeshDrawer::add(FrameGraph& graph, const MeshList& list, Surfa
     };
     const auto execute = [list, targets, depth, ids_of](PassContext& c) mutable {
         MeshShader shader;
-        shader.name = "meshes/draw";
-        shader.fragment = kSurfaceFragment;
+        const bool with_id = targets.id.valid();
+        shader.name = with_id ? "meshes/draw" : "meshes/draw without id";
+        shader.fragment = with_id ? std::span<const std::uint32_t>(kSurfaceFragment)
+                                  : std::span<const std::uint32_t>(kPlainFragment);
         std::vector<gpu::Target> colors;
         for (const TextureId* id : ids_of(targets)) {
             shader.color_formats.push_back(id->valid() ? c.desc(*id).format : VK_FORMAT_UNDEFINED);

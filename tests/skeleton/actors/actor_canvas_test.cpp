@@ -130,7 +130,7 @@ TEST(ActorCanvas, ShadowHasTheWidthOfTheParallax) {
     ActorCanvas canvas(rig);
     canvas.clear(canvas.whole(), 3.0f);
     const std::vector<Primitive> slab{
-        box({0, 0, 1.55}, {0.2, 2, 0.05}, kPartThing, Material::wood)};
+        box({0, 0, 1.55}, {0.2, 2, 0.05}, kPartThing, Covering::wood)};
     canvas.draw(slab, kSceneId);
     Image<float> depth(640, 480);
     canvas.measure(nullptr, 1, depth);
@@ -178,7 +178,7 @@ TEST(ActorTruth, SaysWhatIsSeen) {
 
     // A desk before the legs, in view space.
     const std::vector<Primitive> desk{
-        box({0, 1.2, 1.5}, {2, 1.0, 0.02}, kPartTable, Material::wood)};
+        box({0, 1.2, 1.5}, {2, 1.0, 0.02}, kPartTable, Covering::wood)};
     const Body behind = states(standing, 2.6, desk);
     EXPECT_EQ(behind[Joint::head].state, JointState::tracked);
     EXPECT_EQ(behind[Joint::shoulder_left].state, JointState::tracked);
