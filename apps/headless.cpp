@@ -115,6 +115,7 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
     frame_options.read_picture = true;
+    if (options_.lod > 1) frame_options.lod = FramebufferLodOptions{.r = options_.lod};
     SourceSummary& source = summary_.sources.back();
     source.color = builder_.color_mode(draw);
     const Scene& scene = builder_.scene(draw);

@@ -33,6 +33,9 @@ struct ReplayOptions {
     std::string scene;          ///< a bundled scene's name or a scene file; empty: none
     /// A scene's roles follow joints, so people are looked for unless --bodies said otherwise.
     [[nodiscard]] bool wants_people() const { return !scene.empty() && !bodies_asked; }
+    double lod = 1;         ///< framebuffer LOD of scenes: resizing factor; 1: off
+    bool lod_auto = false;  ///< or as the frame time asks for
+    double target_ms = 1000.0 / 30;
     std::filesystem::path record;  ///< live: a session that is written from the start
     SessionCodec codec = SessionCodec::ffv1;
     std::filesystem::path headless;  ///< empty: a window

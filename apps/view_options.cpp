@@ -86,6 +86,22 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
             return chain ? std::string() : chain.error().to_string();
         })
         ->type_name("SPEC");
+    app.add_option_function<std::string>(
+           "--lod",
+           [options](const std::string& word) {
+               options->lod_auto = word == "auto";
+               options->lod = word == "auto" || word == "off" ? 1 : std::stod(word);
+           },
+           "with --scene: light on a picture R times coarser, brought back along edges; auto: as "
+           "--target-ms asks for (in a window)")
+        ->check([](const std::string& word) {
+            if (word == "off" || word == "auto") return std::string();
+            return CLI::Range(1.0, 8.0)(word);
+        })
+        ->type_name("off|auto|R");
+    app.add_option("--target-ms", options->target_ms, "time of a picture that --lod auto holds")
+        ->check(CLI::Range(1.0, 1000.0))
+        ->type_name("T");
     app.add_option("--headless", options->headless,
                    "no window: pictures, video.mp4 and summary.json into OUT")
         ->type_name("OUT");

@@ -40,24 +40,6 @@ std::filesystem::path fresh_file(const char* extension) {
     }
 }
 
-std::string stream_text(const StreamInfo& stream) {
-    std::string text = stream_name(stream.id.kind);
-    if (stream.width > 0) text += fmt::format(" {}x{}", stream.width, stream.height);
-    if (stream.nominal_hz > 0) text += fmt::format(" at {:.0f} Hz", stream.nominal_hz);
-    return text;
-}
-
-/// "2 people, 7 in control"
-std::string people_text(const ProcessedFrame& frame, bool tracked) {
-    if (!frame.set.bodies) return {};
-    const std::size_t count = frame.set.bodies->bodies.size();
-    std::string text = count == 0   ? "nobody"
-                       : count == 1 ? "1 person"
-                                    : fmt::format("{} people", count);
-    if (frame.primary_id != 0) text += fmt::format(", {} in control", frame.primary_id);
-    return tracked ? text : text + " (recorded)";
-}
-
 }  // namespace
 
 Viewer::Viewer(const ReplayOptions& options, const Settings& settings, Window& window,
@@ -69,7 +51,9 @@ Viewer::Viewer(const ReplayOptions& options, const Settings& settings, Window& w
       ui_(ui),
       renderer_(device),
       panes_(ui),
-      settings_(settings) {
+      settings_(settings),
+      // Coarse steps: every size has memory of its own.
+      resizing_({.target_ms = options.target_ms, .quantum = 1.0 / 8}) {
     draw_options_ = {
         .style = settings.style, .splat_px = settings.splat_px, .color = options.color};
     camera_.kind = settings.view;
@@ -362,44 +346,6 @@ void Viewer::hear_source() {
     }
 }
 
-OverlayText Viewer::overlay_text() {
-    const LiveStatus status = playing_->runner().status();
-    OverlayText text;
-    text.name = playing_->info().name;
-    text.note = playing_->info().note;
-    for (const StreamInfo& stream : playing_->info().streams) {
-        text.streams.push_back(stream_text(stream));
-    }
-    text.pictures_per_s = pictures_per_s_;
-    text.frames_per_s = frames_per_s_;
-    text.frame_ms = last_.ms;
-    text.groups = renderer_.group_times();
-    if (frame_) {
-        text.stages = frame_->times;
-        text.points = frame_->valid_points;
-        text.tracking = frame_->tracking;
-        text.people = people_text(*frame_, status.bodies);
-    }
-    text.alignment = alignment_.words();
-    text.latency = latency_;
-    if (status.recording) {
-        text.recording = fmt::format(
-            "{}{} frames, {:.1f} MB, {} lost{}",
-            status.is_recording ? "" : "ended: ", status.recording->frames,
-            static_cast<double>(status.recording->bytes) / 1e6, status.recording->dropped,
-            status.recording->queue_fill > 0.5 ? ", the disk is slow" : "");
-    }
-    text.passes = last_.report.passes;
-    text.device_bytes = renderer_.device().memory().current;
-    text.dropped = status.dropped;
-    text.errors = status.errors;
-    text.last_error = status.last_error;
-    text.mode =
-        fmt::format("{}, {} view, {} colour", style_name(draw_options_.style),
-                    view_name(camera_.kind), color_name(builder_.color_mode(draw_options_)));
-    return text;
-}
-
 void Viewer::draw_panels(const WindowInput& input) {
     if (settings_.show_overlay && !help_) draw_overlay(overlay_text());
     // In a small window the picture matters more.
@@ -456,8 +402,16 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
                                                   : to_seconds(now - started_);
     const double passed_s = shown_s - std::exchange(stage_time_s_, shown_s);
     builder_.advance(status.paused ? 0 : passed_s);
+    const glm::ivec2 size(view_.width, view_.height);
+    const bool resized = std::exchange(lod_size_, size) != size;
+    lod_r_ = options_.lod_auto ? resizing_.begin_frame() : options_.lod;
+    if (lod_r_ > 1) options.lod = FramebufferLodOptions{.r = lod_r_};
     KINO_ASSIGN(last_, renderer_.render(builder_.scene(draw_options_), view_, *target, options));
     if (ui_error_) return fail(*std::exchange(ui_error_, std::nullopt));
+    if (options_.lod_auto) {
+        // Before three pictures are through, pipelines are still being made.
+        resizing_.frame_took(last_.ms, pictures_ < 3 || resized);
+    }
     KINO_TRY(window_.present());
     ++pictures_;
     if (frame_) {

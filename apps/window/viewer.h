@@ -19,6 +19,7 @@
 #include "calibration/live_alignment.h"
 #include "viz/output/ui/ui_context.h"
 #include "viz/output/window.h"
+#include "viz/quality/governor/resize_controller.h"
 
 namespace kino {
 
@@ -91,6 +92,9 @@ class Viewer {
 
     View view_;
     FrameResult last_;
+    ResizeController resizing_;  ///< --lod auto
+    double lod_r_ = 1;           ///< of the last picture
+    glm::ivec2 lod_size_{0};     ///< which picture size resizing_ knows
     TimeNs started_ = 0;
     std::int64_t pictures_ = 0;
     TimeSeries picture_times_;
