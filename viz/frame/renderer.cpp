@@ -128,6 +128,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
                                       {.raster = options.raster,
                                        .lists = options.light_lists,
                                        .shadows = options.ray_shadows,
+                                       .bounces = options.bounces,
                                        .lod = options.lod,
                                        .read_ids = options.read_surface});
         surface = stage.surface;

@@ -37,6 +37,7 @@ struct FrameOptions {
     /// How lights are assigned to tiles, in scenes that have many.
     LightListOptions light_lists;
     RayShadowOptions ray_shadows;
+    BounceOptions bounces;  ///< of spotlights that ask for one bounce
     /// Set: light is worked out on a coarser surface, where the scene is staged (stage.h).
     std::optional<FramebufferLodOptions> lod;
     graph::Timing timing = graph::Timing::frame;

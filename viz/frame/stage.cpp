@@ -32,6 +32,51 @@ TextureId add_no_objects(FrameGraph& graph, const View& view) {
     return object;
 }
 
+struct Drawn {
+    SurfaceTargets surface;
+    TextureId depth;  ///< invalid without meshes
+};
+
+/// Albedo, depth and normal of all that is opaque, and ids of what is wanted.
+Drawn add_surface(FrameGraph& graph, const Scene& scene, const View& view, const StageParts& parts,
+                  RasterPath raster, bool ids) {
+    const auto width = static_cast<std::uint32_t>(view.width);
+    const auto height = static_cast<std::uint32_t>(view.height);
+    const std::uint32_t top = pack_srgb(scene.background_top);
+    const std::uint32_t bottom = pack_srgb(scene.background_bottom);
+    Drawn made;
+    SurfaceTargets& surface = made.surface;
+    surface.albedo = graph.create_texture("albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM});
+    surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
+    surface.normal = graph.create_texture("normal", {width, height, kNormalFormat});
+    if (ids) surface.id = graph.create_texture("id", {width, height, kIdFormat});
+    surface = scene.live && scene.live->surface
+                  ? parts.live.add(graph, *scene.live, view, raster, surface, top, bottom)
+                  : add_background(graph, surface, top, bottom);
+    if (!scene.meshes.empty()) {
+        surface.object = add_no_objects(graph, view);
+        TextureId depth = graph.create_texture("depth", {width, height, kDepthFormat});
+        depth = add_depth_seed(graph, view, surface.view_z, depth);
+        const MeshDrawer::Drawn drawn = parts.meshes.add(graph, scene, view, surface, depth);
+        surface = drawn.targets;
+        made.depth = drawn.depth;
+    }
+    return made;
+}
+
+/// What the bouncing lights shine on, as lights.
+SpawnedLights add_bounces(FrameGraph& graph, const Scene& scene, const View& view,
+                          const StageParts& parts, const StageOptions& options) {
+    std::vector<ReflectiveMap> maps;
+    for (const std::size_t i : bouncing_lights(scene)) {
+        const View seen = reflective_view(scene.lights[i], options.bounces);
+        const Drawn drawn = add_surface(graph, scene, seen, parts, options.raster, false);
+        maps.push_back({.light = i, .view = seen, .surface = drawn.surface});
+    }
+    if (maps.empty()) return {};
+    return spawn_bounces(scene, view, std::move(maps), options.bounces);
+}
+
 }  // namespace
 
 std::uint32_t pack_srgb(const glm::vec3& color) {
@@ -44,33 +89,18 @@ std::uint32_t pack_srgb(const glm::vec3& color) {
 bool wants_stage(const Scene& scene) {
     if (!scene.meshes.empty()) return true;
     return scene.live.has_value() && scene.color_mode != ColorMode::captured &&
-           wants_light_lists(scene);
+           (wants_light_lists(scene) || !bouncing_lights(scene).empty());
 }
 
 Stage add_stage(FrameGraph& graph, const Scene& scene, const View& view, const StageParts& parts,
                 const StageOptions& options) {
-    const auto width = static_cast<std::uint32_t>(view.width);
-    const auto height = static_cast<std::uint32_t>(view.height);
-    const std::uint32_t top = pack_srgb(scene.background_top);
-    const std::uint32_t bottom = pack_srgb(scene.background_bottom);
     Stage stage;
-    SurfaceTargets& surface = stage.surface;
-    surface.albedo = graph.create_texture("albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM});
-    surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
-    surface.normal = graph.create_texture("normal", {width, height, kNormalFormat});
-    if (options.read_ids) surface.id = graph.create_texture("id", {width, height, kIdFormat});
-    surface = scene.live && scene.live->surface
-                  ? parts.live.add(graph, *scene.live, view, options.raster, surface, top, bottom)
-                  : add_background(graph, surface, top, bottom);
-    if (!scene.meshes.empty()) {
-        surface.object = add_no_objects(graph, view);
-        TextureId depth = graph.create_texture("depth", {width, height, kDepthFormat});
-        depth = add_depth_seed(graph, view, surface.view_z, depth);
-        const MeshDrawer::Drawn drawn = parts.meshes.add(graph, scene, view, surface, depth);
-        surface = drawn.targets;
-        stage.depth = drawn.depth;
-    }
-    stage.lists = add_light_lists(graph, scene, view, surface.view_z, options.lists);
+    const Drawn drawn = add_surface(graph, scene, view, parts, options.raster, options.read_ids);
+    stage.surface = drawn.surface;
+    stage.depth = drawn.depth;
+    const SurfaceTargets& surface = stage.surface;
+    const SpawnedLights bounces = add_bounces(graph, scene, view, parts, options);
+    stage.lists = add_light_lists(graph, scene, view, surface.view_z, options.lists, bounces);
     SceneBvhPasses bvh;
     if (wants_ray_shadows(scene)) bvh = parts.bvh.add(graph);
     const auto shade = [&](const SurfaceTargets& at, const View& seen_from) {
@@ -90,9 +120,10 @@ Stage add_stage(FrameGraph& graph, const Scene& scene, const View& view, const S
     if (wants_blended(scene)) {
         LightListOptions lists = options.lists;
         lists.for_blended = true;
-        stage.linear = add_blended_pass(graph, scene, view, parts.meshes,
-                                        add_light_lists(graph, scene, view, surface.view_z, lists),
-                                        stage.linear, stage.depth);
+        stage.linear =
+            add_blended_pass(graph, scene, view, parts.meshes,
+                             add_light_lists(graph, scene, view, surface.view_z, lists, bounces),
+                             stage.linear, stage.depth);
     }
     return stage;
 }

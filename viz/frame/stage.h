@@ -4,6 +4,7 @@
 
 #include "viz/accel/scene_bvh.h"
 #include "viz/graph/graph.h"
+#include "viz/light/indirect.h"
 #include "viz/light/light_lists.h"
 #include "viz/light/ray_shadows.h"
 #include "viz/quality/framebuffer_lod.h"
@@ -14,15 +15,16 @@
 
 namespace kino {
 
-/// True where the picture is made surface first, then light: a scene with meshes, or with more
-/// local lights than a shader should walk. Without either, the live frame takes its light before
-/// it is drawn, or none at all, and nothing of this file runs.
+/// True where the picture is made surface first, then light: a scene with meshes, with more local
+/// lights than a shader should walk, or with light that bounces. Without either, the live frame
+/// takes its light before it is drawn, or none at all, and nothing of this file runs.
 [[nodiscard]] bool wants_stage(const Scene& scene);
 
 struct StageOptions {
     RasterPath raster = RasterPath::compute;
     LightListOptions lists;
     RayShadowOptions shadows;
+    BounceOptions bounces;
     std::optional<FramebufferLodOptions> lod;
     bool read_ids = false;  ///< the surface gets ids
 };

@@ -176,15 +176,16 @@ void add_sums(FrameGraph& graph, const Culling& culling, LightLists& lists) {
 }
 
 /// Lights and volumes onto the device, counters to zero.
-BufferId add_upload(FrameGraph& graph, PackedLights packed, LightLists& lists) {
+BufferId add_upload(FrameGraph& graph, PackedLights packed, LightLists& lists,
+                    std::uint32_t spawned = 0) {
     if (packed.records.empty()) packed.records.emplace_back();
     const bool culled = lists.tile_px != 0;
-    lists.lights =
-        graph.create_buffer("lights", {roomy_bytes<shared::LightRecord>(packed.records.size())});
+    lists.lights = graph.create_buffer(
+        "lights", {roomy_bytes<shared::LightRecord>(packed.records.size() + spawned)});
     BufferId volumes;
     if (culled) {
-        volumes = graph.create_buffer("light volumes",
-                                      {roomy_bytes<shared::LightVolume>(packed.volumes.size())});
+        volumes = graph.create_buffer(
+            "light volumes", {roomy_bytes<shared::LightVolume>(packed.volumes.size() + spawned)});
         lists.counters = graph.create_buffer("light counters", {sizeof(shared::LightListCounters)});
     }
     const auto execute = [=, lights = lists.lights, counters = lists.counters,
@@ -215,7 +216,8 @@ bool wants_light_lists(const Scene& scene) {
 }
 
 LightLists add_light_lists(FrameGraph& graph, const Scene& scene, const View& view,
-                           graph::TextureId view_z, const LightListOptions& options) {
+                           graph::TextureId view_z, const LightListOptions& options,
+                           const SpawnedLights& spawned) {
     KINO_CHECK(options.tile_px == 8 || options.tile_px == 16 || options.tile_px == 32);
     KINO_CHECK(options.capacity > 0 && options.cell_count >= 1 && options.cell_count <= 32);
     PackedLights packed = pack_lights(scene, view, options.capacity);
@@ -223,11 +225,11 @@ LightLists add_light_lists(FrameGraph& graph, const Scene& scene, const View& vi
     lists.width = static_cast<std::uint32_t>(view.width);
     lists.height = static_cast<std::uint32_t>(view.height);
     lists.global_count = packed.global_count;
-    lists.local_count = packed.local_count;
-    lists.has_spots = packed.has_spots;
+    lists.local_count = packed.local_count + spawned.count;
+    lists.has_spots = packed.has_spots || spawned.count > 0;
     lists.has_masks = packed.has_masks;
     lists.check = packed.check;
-    if (!wants_light_lists(scene)) {
+    if (!wants_light_lists(scene) && spawned.count == 0) {
         (void)add_upload(graph, std::move(packed), lists);
         return lists;
     }
@@ -245,15 +247,26 @@ LightLists add_light_lists(FrameGraph& graph, const Scene& scene, const View& vi
                       .tiles = {lists.tiles_x, lists.tiles_y},
                       .macros_x = macros_x,
                       .macros = macros_x * macros_y,
-                      .locals = packed.local_count,
+                      .locals = lists.local_count,
                       .first_local = packed.global_count,
-                      .words = (packed.local_count + 31) / 32,
-                      .capacity = std::min(options.capacity, packed.local_count),
+                      .words = (lists.local_count + 31) / 32,
+                      .capacity = std::min(options.capacity, lists.local_count),
                       .pool = options.pool,
                       .near_m = static_cast<float>(k.near_m)};
     const std::uint64_t tiles = culling.tiles();
     CullBuffers buffers;
-    buffers.volumes = add_upload(graph, std::move(packed), lists);
+    SpawnTargets targets{.records = {},
+                         .volumes = {},
+                         .first_record = packed.global_count + packed.local_count,
+                         .first_volume = packed.local_count};
+    buffers.volumes = add_upload(graph, std::move(packed), lists, spawned.count);
+    if (spawned.count > 0) {
+        targets.records = lists.lights;
+        targets.volumes = buffers.volumes;
+        spawned.add(graph, targets);
+        lists.lights = targets.records;
+        buffers.volumes = targets.volumes;
+    }
     buffers.bounds = add_bounds(graph, culling, view_z);
     if (options.two_level) buffers.words = add_macro_cull(graph, culling, buffers);
     lists.headers = graph.create_buffer("light headers", {tiles * 8});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "viz/graph/graph.h"
 #include "viz/scene/scene.h"
@@ -52,11 +53,28 @@ constexpr std::size_t kLightsWithoutLists = 8;
 /// True where the scene's lights are worth lists.
 [[nodiscard]] bool wants_light_lists(const Scene& scene);
 
+/// Where lights that passes make are to go.
+struct SpawnTargets {
+    graph::BufferId records;  ///< shared::LightRecord, view space of the lists' view
+    graph::BufferId volumes;  ///< shared::LightVolume
+    std::uint32_t first_record = 0;
+    std::uint32_t first_volume = 0;
+};
+
+/// Lights that passes make; they follow the scene's own local lights.
+struct SpawnedLights {
+    std::uint32_t count = 0;
+    /// Adds the passes that write all of them; the targets' ids become the new ones.
+    std::function<void(graph::FrameGraph&, SpawnTargets&)> add;
+};
+
 /// Adds the culling passes for the depths in `view_z` (R32F, 0 = nothing; size of the view). A
-/// scene that does not want lists gets one upload, and `tile_px` 0: all lights are walked.
+/// scene that does not want lists, and spawns no lights, gets one upload, and `tile_px` 0: all
+/// lights are walked.
 [[nodiscard]] LightLists add_light_lists(graph::FrameGraph& graph, const Scene& scene,
                                          const View& view, graph::TextureId view_z,
-                                         const LightListOptions& options);
+                                         const LightListOptions& options,
+                                         const SpawnedLights& spawned = {});
 
 /// Fills the counters that culling leaves alone: sum, longest, histogram. Returns the counters.
 [[nodiscard]] graph::BufferId add_light_statistics(graph::FrameGraph& graph,

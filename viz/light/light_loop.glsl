@@ -60,7 +60,8 @@ vec3 local_light(uint light, vec3 q, out vec3 to_light) {
         vec4 cone = uintBitsToFloat(texelFetch(lights, int(light * 4u + 2u)));
         float scale = uintBitsToFloat(texelFetch(lights, int(light * 4u + 3u)).x);
         float bright = clamp((-dot(to_light, cone.xyz) - cone.w) * scale, 0.0, 1.0);
-        falloff *= floatBitsToUint(place.w) == 2u ? bright * bright : 1.0;
+        uint kind = floatBitsToUint(place.w);
+        falloff *= kind == 2u ? bright * bright : kind == 3u ? bright : 1.0;
     }
     return color.rgb * falloff;
 }

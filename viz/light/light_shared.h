@@ -8,7 +8,7 @@ KINO_SHARED_BEGIN
 // plain point light needs is in the first two.
 struct LightRecord {
     vec3 place;        // view space: where a point or spot light is, direction to a directional one
-    uint kind;         // 0 directional, 1 point, 2 spot
+    uint kind;         // 0 directional, 1 point, 2 spot, 3 patch: falls off with the cosine
     vec3 color;        // linear
     float radius;      // metres, point and spot lights
     vec3 axis;         // spot: the way it travels, view space
@@ -57,6 +57,24 @@ struct CullParams {
     uint capacity;
     uint pool;  // indices there is room for
     float near_m;
+};
+
+// One map of what a light shines on, on its way into lights.
+struct SpawnParams {
+    vec4 camera_from_light_x;  // rows of the rigid transform
+    vec4 camera_from_light_y;
+    vec4 camera_from_light_z;
+    vec4 k;  // fx, fy, cx, cy of the map
+    vec3 color;
+    float radius;
+    float cone_cos;
+    float cone_scale;
+    uint first_record;
+    uint first_volume;
+    uint grid;  // lights along a side
+    uint artist;
+    float gain;
+    float cutoff;
 };
 
 struct ListShadeParams {
@@ -116,5 +134,6 @@ static_assert(sizeof(kino::shared::TileBounds) == 16);
 static_assert(sizeof(kino::shared::LobeRecord) == 32);
 static_assert(sizeof(kino::shared::MaterialRecord) == 48);
 static_assert(sizeof(kino::shared::CullParams) <= 128);
+static_assert(sizeof(kino::shared::SpawnParams) <= 128);
 #endif
 #endif
