@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tests/scenes/depth_scene.h"
 #include "viz/surface/mesh_shapes.h"
@@ -76,7 +77,8 @@ std::vector<Light> small_lights(int count) {
         lights.push_back(
             {.kind = LightKind::point,
              .position = {0.3 * (i % 5) - 0.6, 0.25 * (i / 5 % 5) - 0.5, -1.6 - 0.05 * (i % 7)},
-             .color = {0.02f * (1 + i % 3), 0.03f, 0.02f * (3 - i % 3)},
+             .color = {0.02f * static_cast<float>(1 + i % 3), 0.03f,
+                       0.02f * static_cast<float>(3 - i % 3)},
              .radius_m = 1.2f});
     }
     return lights;
@@ -231,6 +233,89 @@ TEST_F(VizTest, ABoxCastsItsShadowByRays) {
     scene.lights[0].shadow = LightShadow::none;
     EXPECT_EQ(largest_difference(draw(renderer, scene).picture, bright), 0);
     EXPECT_EQ(renderer.bvh_bytes(), 0u);
+}
+
+/// A torch that shines on a red wall at the left; the grey wall ahead sees the red one alone.
+Scene bounce_scene() {
+    Scene scene = wall_scene();
+    scene.ambient = glm::vec3(0);
+    scene.materials.push_back({.name = "red", .base_color = {0.8f, 0.1f, 0.1f}});
+    scene.meshes.push_back(node(make_box({0.2f, 6, 6}), {-1.6, 0, -2}, 2, 2));
+    scene.lights = {{.kind = LightKind::spot,
+                     .position = {-0.6, 0, -2},
+                     .direction = {-1, 0, 0},
+                     .color = glm::vec3(20),
+                     .radius_m = 8,
+                     .inner_rad = 0.5f,
+                     .outer_rad = 0.7f,
+                     .indirect = true}};
+    return scene;
+}
+
+/// What the wall ahead returns at (x, y, -3): the integral over the red wall, in double.
+double bounced_red(const Scene& scene, double x, double y) {
+    const Light& torch = scene.lights[0];
+    const glm::dvec3 at(x, y, -3);
+    double sum = 0;
+    constexpr int kSteps = 400;
+    constexpr double kReach = 1.0;  // beyond the cone's rim on the wall
+    const double step = 2 * kReach / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+        for (int j = 0; j < kSteps; ++j) {
+            const glm::dvec3 patch(-1.5, (i + 0.5) * step - kReach, -2 + (j + 0.5) * step - kReach);
+            const glm::dvec3 from_torch = patch - torch.position;
+            const double d = glm::length(from_torch);
+            const double cosine = -from_torch.x / d;
+            const double outer = std::cos(double{torch.outer_rad});
+            const double inner = std::cos(double{torch.inner_rad});
+            const double bright = std::clamp((cosine - outer) / (inner - outer), 0.0, 1.0);
+            const double ratio = d * d / (double{torch.radius_m} * torch.radius_m);
+            const double inside = std::clamp(1 - ratio * ratio, 0.0, 1.0);
+            const double lit = torch.color.r * bright * bright * inside * inside * cosine / (d * d);
+            const glm::dvec3 way = at - patch;
+            const double squared = glm::dot(way, way);
+            // The red wall looks along x, the grey one along z.
+            const double angles = std::max(way.x, 0.0) * std::max(-way.z, 0.0) / squared;
+            sum += 0.8 * lit * step * step / std::numbers::pi * angles / squared;
+        }
+    }
+    return 0.4 * sum;
+}
+
+double bounce_error(Renderer& renderer, const Scene& scene, std::uint32_t grid) {
+    FrameOptions options;
+    options.bounces.grid = grid;
+    const Image<Rgba8> picture = draw(renderer, scene, options).picture;
+    const Projection k = front_view().projection;
+    double worst = 0;
+    for (const double x : {-0.6, -0.2, 0.3}) {
+        for (const double y : {-0.5, 0.1}) {
+            const int px = static_cast<int>(std::lround(k.cx + k.fx * x / 3));
+            const int py = static_cast<int>(std::lround(k.cy - k.fy * y / 3));
+            const double expected =
+                bounced_red(scene, (px - k.cx) * 3 / k.fx, -(py - k.cy) * 3 / k.fy);
+            EXPECT_GT(expected, 0.02);
+            worst =
+                std::max(worst, std::abs(to_linear(picture.at(px, py).r) - expected) / expected);
+        }
+    }
+    return worst;
+}
+
+TEST_F(VizTest, OneBounceIsTheIntegralOverWhatIsLit) {
+    Renderer renderer(device());
+    const Scene scene = bounce_scene();
+    const double fine = bounce_error(renderer, scene, 16);
+    const double usual = bounce_error(renderer, scene, 8);
+    EXPECT_LT(usual, 0.06);
+    EXPECT_LT(fine, 0.04);
+    // One light for all of it is in the wrong place.
+    EXPECT_GT(bounce_error(renderer, scene, 1), 1.5 * usual);
+    Scene plain = scene;
+    plain.lights[0].indirect = false;
+    const FrameResult dark = draw(renderer, plain);
+    EXPECT_THAT(dark.report.passes, Each(Not(StartsWith("light/spawn"))));
+    EXPECT_LT(dark.picture.at(kWidth / 2, kHeight / 2).r, 3);
 }
 
 // What a scene does not call for has no pass, no byte and no pipeline.
