@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "tests/scenes/depth_scene.h"
 #include "viz/surface/mesh_shapes.h"
@@ -341,11 +342,11 @@ TEST_F(VizTest, StagePartsCostNothingUnlessCalledFor) {
     scene.materials.push_back(glass());
     scene.meshes.push_back(node(make_sphere(0.3f), {0, 0, -2}, 2, 2));
     const FrameResult blended = draw(renderer, scene);
-    std::vector<std::string> added;
+    std::set<std::string> added;
     for (const std::string& pass : blended.report.passes) {
         if (std::count(plain.report.passes.begin(), plain.report.passes.end(), pass) <
             std::count(blended.report.passes.begin(), blended.report.passes.end(), pass)) {
-            added.push_back(pass);
+            added.insert(pass);
         }
     }
     // A second upload of lights and materials, and the pass itself.

@@ -36,7 +36,7 @@ shared::SpawnParams params_of(const Light& light, const View& camera, const Refl
     params.grid = options.grid;
     params.artist = options.mode == BounceMode::artist ? 1 : 0;
     params.gain = options.gain;
-    params.cutoff = options.cutoff;
+    params.cutoff = options.cutoff / static_cast<float>(options.grid * options.grid);
     return params;
 }
 

@@ -21,8 +21,8 @@ struct BounceOptions {
     std::uint32_t grid = 8;  ///< lights along a side; the map has eight times as many texels
     BounceMode mode = BounceMode::diffuse;
     float gain = 1;  ///< of artist mode
-    /// Lights end where they give less than this irradiance (linear).
-    float cutoff = 1.0f / 512;
+    /// Lights end where all of a map's together would give less than this irradiance (linear).
+    float cutoff = 0.1f;
 };
 
 /// Spotlights that ask for one bounce, as indices into Scene::lights.

@@ -216,6 +216,7 @@ MeshDrawer::Drawn MeshDrawer::add(FrameGraph& graph, const MeshList& list, Surfa
                                   : std::span<const std::uint32_t>(kPlainFragment);
         std::vector<gpu::Target> colors;
         for (const TextureId* id : ids_of(targets)) {
+            if (id == &targets.id && !with_id) continue;
             shader.color_formats.push_back(id->valid() ? c.desc(*id).format : VK_FORMAT_UNDEFINED);
             colors.push_back({.view = id->valid() ? c.view(*id) : VK_NULL_HANDLE});
         }
