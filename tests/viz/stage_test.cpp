@@ -122,7 +122,7 @@ TEST_F(VizTest, StageMixesLiveDepthAndMeshes) {
     for (std::size_t i = 0; i < before->surface.view_z_m.size(); ++i) {
         const float live = before->surface.view_z_m.pixels()[i];
         const float both = after->surface.view_z_m.pixels()[i];
-        if (live > 0 && live < 0.99f) {
+        if (live > 0 && live < 0.999f) {
             EXPECT_EQ(both, live);
             ++near;
         } else {
