@@ -88,6 +88,7 @@ TEST_F(BaselinesTest, HeatMapShowsLengths) {
     const LitScene lit = points_only(9);
     ASSERT_TRUE(rig.set_surface(lit.surface));
     LightRig::Options options;
+    options.lists.tile_px = 16;
     options.instead = [](graph::FrameGraph& g, const LightLists& lists, const SurfaceTargets&) {
         return add_light_heat_map(g, lists, 50);
     };

@@ -118,8 +118,9 @@ TEST_F(LightListsTest, NoVariantLosesALightOnRandomScenes) {
 TEST_F(LightListsTest, ListsAscendAndDepthsOnlyTakeAway) {
     const LitScene lit = colonnade(160, 90, 300);
     show(lit);
-    const auto plain = draw(lit, {.lists = {.capacity = 512, .cells = DepthCells::none}});
-    const auto cells = draw(lit, {.lists = {.capacity = 512}});
+    const auto plain =
+        draw(lit, {.lists = {.tile_px = 16, .capacity = 512, .cells = DepthCells::none}});
+    const auto cells = draw(lit, {.lists = {.tile_px = 16, .capacity = 512}});
     const auto exact = reference::exact_lists(lit.scene, lit.view, lit.surface.view_z_m, 16);
     for (std::size_t tile = 0; tile < exact.needed.size(); ++tile) {
         const auto wide = plain.list(tile);
@@ -157,9 +158,9 @@ TEST_F(LightListsTest, WhatOverflowsIsCountedAndTheBrightestStay) {
         lit.scene.lights[i].color = glm::vec3(0.001f * static_cast<float>(i % 97 + 1));
     }
     show(lit);
-    const auto whole = draw(lit, {.lists = {.capacity = 4096}});
+    const auto whole = draw(lit, {.lists = {.tile_px = 16, .capacity = 4096}});
     ASSERT_GT(whole.counters.longest, 2000u);
-    const auto clipped = draw(lit, {.lists = {.capacity = 256}});
+    const auto clipped = draw(lit, {.lists = {.tile_px = 16, .capacity = 256}});
     std::uint32_t tiles = 0;
     std::uint32_t dropped = 0;
     for (std::size_t tile = 0; tile < whole.headers.size() / 2; ++tile) {
@@ -182,7 +183,7 @@ TEST_F(LightListsTest, WhatOverflowsIsCountedAndTheBrightestStay) {
     EXPECT_GT(tiles, 0u);
     EXPECT_EQ(clipped.counters.overflowing_tiles, tiles);
     EXPECT_EQ(clipped.counters.dropped, dropped);
-    EXPECT_EQ(draw(lit, {.lists = {.capacity = 256}}).bits, clipped.bits);
+    EXPECT_EQ(draw(lit, {.lists = {.tile_px = 16, .capacity = 256}}).bits, clipped.bits);
 }
 
 TEST_F(LightListsTest, AFullPoolIsCutOffAndCounted) {
@@ -258,8 +259,9 @@ TEST_F(LightListsTest, ListsForBlendedSurfacesReachFromTheEyeToTheSurface) {
             lit.surface = surface_of(lit.solids, lit.view);
         }
         show(lit);
-        const auto opaque = draw(lit, {.lists = {.capacity = 512}});
-        const auto blended = draw(lit, {.lists = {.capacity = 512, .for_blended = true}});
+        const auto opaque = draw(lit, {.lists = {.tile_px = 16, .capacity = 512}});
+        const auto blended =
+            draw(lit, {.lists = {.tile_px = 16, .capacity = 512, .for_blended = true}});
         Image<float> before = lit.surface.view_z_m;
         for (float& z : before.pixels()) {
             z = static_cast<float>((z > 0 ? z : 12.0f) * random.real(0.02, 1));
