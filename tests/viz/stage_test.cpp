@@ -380,6 +380,25 @@ TEST_F(VizTest, StageAtACoarserRateIsCloseToTheFullOne) {
     EXPECT_GT(squares, 0) << "r = 2 must not be full shading";
 }
 
+// What shines by itself and returns nothing has no albedo that light could be multiplied by.
+TEST_F(VizTest, StageAtACoarserRateStillShines) {
+    Renderer renderer(device());
+    Scene scene = wall_scene();
+    scene.materials.push_back(
+        {.name = "lamp", .base_color = glm::vec3(0), .emission = {0.6f, 0.3f, 0.1f}});
+    scene.meshes.push_back(node(make_sphere(0.4f), {0, 0, -2}, 2, 2));
+    const FrameResult full = draw(renderer, scene);
+    EXPECT_THAT(full.report.passes, Each(Not(StartsWith("light/emission"))));
+    FrameOptions options;
+    options.lod = FramebufferLodOptions{.r = 2};
+    const FrameResult coarse = draw(renderer, scene, options);
+    EXPECT_NEAR(to_linear(coarse.picture.at(kWidth / 2, kHeight / 2).r), 0.6, 0.01);
+    for (int x = kWidth / 2 - 8; x <= kWidth / 2 + 8; ++x) {
+        EXPECT_NEAR(coarse.picture.at(x, kHeight / 2).g, full.picture.at(x, kHeight / 2).g, 2);
+    }
+    EXPECT_NEAR(coarse.picture.at(3, 3).g, full.picture.at(3, 3).g, 2);
+}
+
 TEST_F(VizTest, StageIsTheSameEveryTime) {
     Scene scene = wall_scene();
     scene.lights = small_lights(40);

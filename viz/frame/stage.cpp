@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "viz/light/blended_pass.h"
+#include "viz/light/emission_pass.h"
 #include "viz/surface/depth_passes.h"
 
 namespace kino {
@@ -103,17 +104,26 @@ Stage add_stage(FrameGraph& graph, const Scene& scene, const View& view, const S
     stage.lists = add_light_lists(graph, scene, view, surface.view_z, options.lists, bounces);
     SceneBvhPasses bvh;
     if (wants_ray_shadows(scene)) bvh = parts.bvh.add(graph);
+    // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
+    const bool emits_apart =
+        options.lod && options.lod->fine_grained && surface.object.valid() && wants_emission(scene);
     const auto shade = [&](const SurfaceTargets& at, const View& seen_from) {
         const RayShadows shadows =
             add_ray_shadows(graph, scene, seen_from, {.view_z = at.view_z, .normal = at.normal},
                             stage.lists, bvh, options.shadows);
         return add_shade_pass(graph, scene, seen_from,
-                              {.surface = at, .lists = stage.lists, .shadow_masks = shadows.masks});
+                              {.surface = at,
+                               .lists = stage.lists,
+                               .shadow_masks = shadows.masks,
+                               .emission = !emits_apart});
     };
     if (options.lod) {
         const CoarseSurface coarse = add_coarse_surface(graph, surface, view, *options.lod);
         stage.linear = add_reconstruction(graph, shade(coarse.surface, coarse.view), coarse,
                                           surface, view, *options.lod);
+        if (emits_apart) {
+            stage.linear = add_emission_pass(graph, scene, surface.object, stage.linear);
+        }
     } else {
         stage.linear = shade(surface, view);
     }

@@ -55,7 +55,8 @@ graph::TextureId add_blended_pass(graph::FrameGraph& graph, const Scene& scene, 
                             lists.has_masks ? 1u : 0u,
                             0u,
                             static_cast<std::uint32_t>(scene.color_mode),
-                            materials.lobe_kinds};
+                            materials.lobe_kinds,
+                            1u};
         shader.color_formats = {kSceneLinearFormat};
         shader.depth_test = gpu::DepthTest::not_farther;
         shader.blend = gpu::Blend::alpha;

@@ -96,6 +96,8 @@ struct ShadeInputs {
     /// not reach the pixel. Slots count global lights first, then the entries of the tile's list
     /// (all local lights, where there are no lists); lights from slot 128 on have no shadow.
     graph::BufferId shadow_masks;
+    /// False: what materials emit is left out, for add_emission_pass() to add at full size.
+    bool emission = true;
 };
 [[nodiscard]] graph::TextureId add_shade_pass(graph::FrameGraph& graph, const Scene& scene,
                                               const View& view, const ShadeInputs& inputs);

@@ -5,6 +5,7 @@
 #include "viz/graph/executor.h"
 #include "viz/light/light_lists.h"
 #include "viz/light/light_passes.h"
+#include "viz/light/light_shared.h"
 #include "viz/light/material_upload.h"
 
 namespace kino {
@@ -71,7 +72,8 @@ graph::TextureId add_shade_pass(graph::FrameGraph& graph, const Scene& scene, co
         has_shadows ? 1u : 0u,
         has_materials ? static_cast<std::uint32_t>(scene.color_mode)
                       : (scene.color_mode == ColorMode::relit ? 0u : 1u),
-        materials.lobe_kinds};
+        materials.lobe_kinds,
+        inputs.emission ? 1u : 0u};
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
         desc.name = has_materials ? "light/shade materials" : "light/shade live";
