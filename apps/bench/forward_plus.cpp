@@ -143,8 +143,8 @@ void rivals(LightBench& bench, int width, int height, int lights) {
     context.claim("a pixel of the source's scene needs 25 +- 3 lights",
                   std::abs(exact.mean_per_pixel - 25) <= 3);
     std::vector<LightBench::Way> ways = {
-        {"Forward+ 16 px", with_lists({.cells = DepthCells::none})},
-        {"Forward+ 16 px 2.5D", with_lists({})},
+        {"Forward+ 16 px", with_lists({.tile_px = 16, .cells = DepthCells::none})},
+        {"Forward+ 16 px 2.5D", with_lists({.tile_px = 16})},
         {"Forward+ 8 px", with_lists({.tile_px = 8, .cells = DepthCells::none})},
         {"Forward+ 8 px 2.5D", with_lists({.tile_px = 8})},
         {"Forward+ 8 px 2.5D, one level", with_lists({.tile_px = 8, .two_level = false})},
