@@ -150,6 +150,7 @@ void RayTable::read_row(int y, int first, int n, const std::array<float*, 3>& ou
 }
 
 void RayTable::read(std::size_t first, std::size_t n, float* x, float* y, float* z) const {
+    if (n == 0) return;
     if (step_ == 1) {
         float* const out[] = {x, y, z};
         for (std::size_t k = 0; k < 3; ++k) {
