@@ -25,7 +25,7 @@ struct ModeOptions {
     int points_per_part = 96;  ///< thinned to about so many
     /// A mode goes if the other side's same part has one within so much that weighs so much more:
     /// there is one limb, and the forest is not sure which.
-    float mirror_m = 0.08f, mirror_ratio = 1.2f;
+    float mirror_m = 0.12f, mirror_ratio = 1.2f;
 };
 
 /// The modes of each part, the heaviest first: weighted mean shift (Comaniciu & Meer 2002) with a
