@@ -29,9 +29,9 @@ struct BoardSighting {
 };
 
 struct FindBoardOptions {
-    /// For live guidance: the fast detector alone, on the picture at half its size where it is wider
-    /// than 500 px, so that boards with squares under some 15 px there are missed; sub-pixel always
-    /// on the whole picture. Nothing is tried twice.
+    /// For live guidance: the fast detector alone, on the picture at half its size where it is
+    /// wider than 500 px, so that boards with squares under some 15 px there are missed; sub-pixel
+    /// always on the whole picture. Nothing is tried twice.
     bool quick = false;
 };
 
