@@ -40,6 +40,14 @@ std::string read_size(const std::string& text, ReplayOptions& options) {
     return {};
 }
 
+/// As CLI::Range, which lets NaN through: it is neither below nor above.
+std::string check_number(const std::string& word, double least, double most) {
+    double value = 0;
+    const bool is_number = CLI::detail::lexical_cast(word, value);
+    if (is_number && value >= least && value <= most) return {};
+    return fmt::format("{} is not a number from {} to {}", word, least, most);
+}
+
 template <class Value>
 void add_choice(CLI::App& app, const char* name, std::optional<Value>& out,
                 std::map<std::string, Value> choices, const char* help) {
@@ -96,11 +104,11 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
            "--target-ms asks for (in a window)")
         ->check([](const std::string& word) {
             if (word == "off" || word == "auto") return std::string();
-            return CLI::Range(1.0, 8.0)(word);
+            return check_number(word, 1, 8);
         })
         ->type_name("off|auto|R");
     app.add_option("--target-ms", options->target_ms, "time of a picture that --lod auto holds")
-        ->check(CLI::Range(1.0, 1000.0))
+        ->check([](const std::string& word) { return check_number(word, 1, 1000); })
         ->type_name("T");
     app.add_option("--headless", options->headless,
                    "no window: pictures, video.mp4 and summary.json into OUT")
