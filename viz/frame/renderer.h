@@ -10,6 +10,7 @@
 #include "viz/frame/stage.h"
 #include "viz/gpu/device.h"
 #include "viz/graph/executor.h"
+#include "viz/quality/zoom/zoom_options.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
 #include "viz/surface/depth_rasterizer.h"
@@ -40,6 +41,7 @@ struct FrameOptions {
     BounceOptions bounces;  ///< of spotlights that ask for one bounce
     /// Set: light is worked out on a coarser surface, where the scene is staged (stage.h).
     std::optional<FramebufferLodOptions> lod;
+    ZoomOptions zoom;  ///< the whole picture coarser, enlarged by copying; the overlay is not
     graph::Timing timing = graph::Timing::frame;
     /// Also copies the view depth under this pixel back (FrameStats::depth_at_m).
     std::optional<glm::ivec2> probe_px;

@@ -71,6 +71,13 @@ struct Light {
     bool indirect = false;  ///< one bounce of it is simulated (spot lights)
 };
 
+/// How a vertex moves that several joints hold.
+enum class SkinBlend : std::uint8_t {
+    linear,          ///< the mean of the joints' matrices: thin where a limb is twisted
+    dual_quaternion  ///< Kavan et al. 2008: rigid motions only; the joints' scale is blended
+                     ///< linearly
+};
+
 /// A mesh in the scene.
 struct MeshNode {
     std::uint32_t id = 1;  ///< stable from frame to frame, 1 .. 65535; 0 is the live depth frame
@@ -80,6 +87,7 @@ struct MeshNode {
     std::uint32_t material = 0;                ///< index into Scene::materials, plus one
     /// Skinned meshes: object_from_bind of every joint; null draws the bind pose.
     std::shared_ptr<const std::vector<glm::mat4>> pose;
+    SkinBlend skin = SkinBlend::linear;
 };
 
 struct BodyNode {
