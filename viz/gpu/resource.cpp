@@ -78,8 +78,9 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 }
 
 Result<Texture> Texture::create(Device& device, const std::string& name, VkExtent2D extent,
-                                VkFormat format) {
+                                VkFormat format, std::uint32_t samples) {
     Texture texture;
+    texture.samples_ = samples;
     texture.device_ = &device;
     texture.extent_ = extent;
     texture.format_ = format;
@@ -91,7 +92,7 @@ Result<Texture> Texture::create(Device& device, const std::string& name, VkExten
         .extent = {extent.width, extent.height, 1},
         .mipLevels = 1,
         .arrayLayers = 1,
-        .samples = VK_SAMPLE_COUNT_1_BIT,
+        .samples = static_cast<VkSampleCountFlagBits>(samples),
         .tiling = VK_IMAGE_TILING_OPTIMAL,
         .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                  VK_IMAGE_USAGE_TRANSFER_DST_BIT |
@@ -139,6 +140,7 @@ Texture& Texture::operator=(Texture&& other) noexcept {
     std::swap(allocated_, other.allocated_);
     std::swap(extent_, other.extent_);
     std::swap(format_, other.format_);
+    std::swap(samples_, other.samples_);
     return *this;
 }
 

@@ -55,12 +55,14 @@ class Buffer {
     void* mapped_ = nullptr;
 };
 
-/// A 2D image with one level, its view and its memory; used in the GENERAL layout throughout.
+/// A 2D image with one level, its view and its memory; used in the GENERAL layout throughout. With
+/// several samples a pixel shaders read it as a sampler2DMS.
 class Texture {
   public:
     Texture() = default;
     [[nodiscard]] static Result<Texture> create(Device& device, const std::string& name,
-                                                VkExtent2D extent, VkFormat format);
+                                                VkExtent2D extent, VkFormat format,
+                                                std::uint32_t samples = 1);
     ~Texture();
     Texture(Texture&& other) noexcept;
     Texture& operator=(Texture&& other) noexcept;
@@ -69,6 +71,7 @@ class Texture {
     [[nodiscard]] VkImageView view() const { return view_; }
     [[nodiscard]] VkExtent2D extent() const { return extent_; }
     [[nodiscard]] VkFormat format() const { return format_; }
+    [[nodiscard]] std::uint32_t samples() const { return samples_; }
     [[nodiscard]] VkDeviceSize bytes() const { return allocated_; }
     [[nodiscard]] bool empty() const { return image_ == VK_NULL_HANDLE; }
 
@@ -80,6 +83,7 @@ class Texture {
     VkDeviceSize allocated_ = 0;
     VkExtent2D extent_{};
     VkFormat format_ = VK_FORMAT_UNDEFINED;
+    std::uint32_t samples_ = 1;
 };
 
 [[nodiscard]] bool is_depth_format(VkFormat format);

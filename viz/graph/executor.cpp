@@ -87,14 +87,15 @@ Result<const gpu::Texture*> Executor::pooled_texture(const std::string& name,
     for (auto& pooled : textures_) {
         const gpu::Texture& texture = pooled->texture;
         if (!pooled->taken && texture.extent().width == desc.width &&
-            texture.extent().height == desc.height && texture.format() == desc.format) {
+            texture.extent().height == desc.height && texture.format() == desc.format &&
+            texture.samples() == desc.samples) {
             pooled->taken = true;
             return &pooled->texture;
         }
     }
     auto pooled = std::make_unique<PooledTexture>();
-    KINO_ASSIGN(pooled->texture,
-                gpu::Texture::create(device_, name, {desc.width, desc.height}, desc.format));
+    KINO_ASSIGN(pooled->texture, gpu::Texture::create(device_, name, {desc.width, desc.height},
+                                                      desc.format, desc.samples));
     pooled->taken = true;
     textures_.push_back(std::move(pooled));
     return &textures_.back()->texture;

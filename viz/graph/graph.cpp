@@ -195,7 +195,7 @@ bool same_memory(const Resource& a, const Resource& b) {
 std::uint64_t bytes_of(const Resource& r) {
     if (r.kind == ResourceKind::buffer) return r.buffer.bytes;
     return std::uint64_t{r.texture.width} * r.texture.height *
-           gpu::bytes_per_pixel(r.texture.format);
+           gpu::bytes_per_pixel(r.texture.format) * r.texture.samples;
 }
 
 }  // namespace

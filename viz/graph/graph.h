@@ -22,6 +22,7 @@ struct TextureDesc {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     VkFormat format = VK_FORMAT_UNDEFINED;
+    std::uint32_t samples = 1;
     friend bool operator==(const TextureDesc&, const TextureDesc&) = default;
 };
 

@@ -264,6 +264,7 @@ TextureId add_depth_seed(FrameGraph& graph, const View& view, TextureId view_z, 
             const graph::TextureDesc size = c.desc(depth);
             c.commands().begin_rendering({size.width, size.height}, {}, &target);
             if (c.bind(desc, {c.bound(view_z)})) {
+            desc.samples = size.samples;
                 c.commands().constants(shared::MeshView{.near_m = near_m});
                 c.commands().draw(3);
             }
