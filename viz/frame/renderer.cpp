@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "viz/effects/skeleton/skeleton.h"
 #include "viz/light/light_passes.h"
+#include "viz/quality/zoom/zoom_view.h"
 
 namespace kino {
 namespace {
@@ -80,7 +81,8 @@ Renderer::Renderer(gpu::Device& device)
       executor_(device, pipelines_),
       rasterizer_(device),
       meshes_(device),
-      bvh_(device) {}
+      bvh_(device),
+      zoom_(device) {}
 
 Renderer::~Renderer() {
     device_.wait_idle();
@@ -90,13 +92,18 @@ void Renderer::cut() {
     executor_.history().cut();
 }
 
-Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
+Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                                      const PictureTarget& target, const FrameOptions& options) {
-    KINO_CHECK(view.width > 0 && view.height > 0);
-    KINO_CHECK_EQ(static_cast<std::uint32_t>(view.width), target.extent.width);
-    KINO_CHECK_EQ(static_cast<std::uint32_t>(view.height), target.extent.height);
-    const auto width = target.extent.width;
-    const auto height = target.extent.height;
+    KINO_CHECK(shown.width > 0 && shown.height > 0);
+    KINO_CHECK_EQ(static_cast<std::uint32_t>(shown.width), target.extent.width);
+    KINO_CHECK_EQ(static_cast<std::uint32_t>(shown.height), target.extent.height);
+    ZoomOptions zoom = options.zoom;
+    zoom.z = usable_zoom(zoom.z, shown.width, shown.height);
+    const bool zooms = zoom.z > 1;
+    // What is drawn; the same as what is shown unless that is enlarged.
+    const View view = zoomed_view(shown, zoom.z);
+    const auto width = static_cast<std::uint32_t>(view.width);
+    const auto height = static_cast<std::uint32_t>(view.height);
     const bool live = scene.live.has_value() && scene.live->surface != nullptr;
     if (live) {
         KINO_TRY(rasterizer_.upload(*scene.live->surface));
@@ -111,8 +118,11 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     }
 
     FrameGraph graph(executor_.history());
+    const TextureId full =
+        graph.import_texture("picture", target.image, target.view,
+                             {target.extent.width, target.extent.height, target.format});
     TextureId picture =
-        graph.import_texture("picture", target.image, target.view, {width, height, target.format});
+        zooms ? graph.create_texture("small picture", {width, height, target.format}) : full;
     const auto skeleton = skeleton_wanted(scene, view);
     const bool staged = wants_stage(scene);
     const bool wanted = live && !staged && wants_light(scene);
@@ -120,8 +130,8 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     const bool lit_points = wanted && options.light_rate == LightRate::depth_pixel;
     const bool has_surface = live || staged;
     const bool probing = has_surface && options.probe_px.has_value() && options.probe_px->x >= 0 &&
-                         options.probe_px->y >= 0 && options.probe_px->x < view.width &&
-                         options.probe_px->y < view.height;
+                         options.probe_px->y >= 0 && options.probe_px->x < shown.width &&
+                         options.probe_px->y < shown.height;
     SurfaceTargets surface;
     if (staged) {
         const Stage stage = add_stage(graph, scene, view, {rasterizer_, meshes_, bvh_},
@@ -181,28 +191,34 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     if (skeleton) picture = add_skeleton(graph, view, picture, surface.view_z, *skeleton);
     if (options.overlay) picture = options.overlay(graph, picture);
     graph.require(picture);
+    if (zooms) {
+        KINO_ASSIGN(picture, zoom_.add(graph, picture, full, zoom));
+    } else {
+        zoom_.clear();
+    }
 
     const std::uint64_t pixels = std::uint64_t{width} * height;
     if (options.read_picture) {
-        KINO_TRY(fit(device_, picture_readback_, "picture readback", pixels * 4));
+    const VkExtent2D drawn{width, height};
+        KINO_TRY(fit(device_, picture_readback_, "picture readback",
+                     std::uint64_t{target.extent.width} * target.extent.height * 4));
         add_readback(graph, "frame/read picture", picture, {}, target.extent, picture_readback_);
     }
     if ((options.read_surface || options.read_view_z) && has_surface) {
         KINO_TRY(fit(device_, view_z_readback_, "view depth readback", pixels * 4));
-        add_readback(graph, "frame/read depth", surface.view_z, {}, target.extent,
-                     view_z_readback_);
+        add_readback(graph, "frame/read depth", surface.view_z, {}, drawn, view_z_readback_);
     }
     if (options.read_surface && has_surface) {
         KINO_TRY(fit(device_, id_readback_, "id readback", pixels * 4));
-        add_readback(graph, "frame/read id", surface.id, {}, target.extent, id_readback_);
+        add_readback(graph, "frame/read id", surface.id, {}, drawn, id_readback_);
         KINO_TRY(fit(device_, normal_readback_, "normal readback", pixels * 4));
-        add_readback(graph, "frame/read normal", surface.normal, {}, target.extent,
-                     normal_readback_);
+        add_readback(graph, "frame/read normal", surface.normal, {}, drawn, normal_readback_);
     }
     if (probing) {
         KINO_TRY(fit(device_, probe_readback_, "probe", 16));
         add_readback(graph, "frame/probe", surface.view_z,
-                     {options.probe_px->x, options.probe_px->y}, {1, 1}, probe_readback_);
+                     {options.probe_px->x / zoom.z, options.probe_px->y / zoom.z}, {1, 1},
+                     probe_readback_);
     }
     if (keep_graphviz_) graphviz_ = graph.to_graphviz();
 
@@ -210,7 +226,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& view,
     KINO_ASSIGN(result.report, executor_.run(graph, options.timing));
     result.ms = to_ms(result.report.submit_to_fence);
     if (options.read_picture) {
-        copy_out(picture_readback_, view.width, view.height, result.picture);
+        copy_out(picture_readback_, shown.width, shown.height, result.picture);
         if (target.format == VK_FORMAT_B8G8R8A8_UNORM) {
             for (Rgba8& pixel : result.picture.pixels()) std::swap(pixel.r, pixel.b);
         }

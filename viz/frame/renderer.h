@@ -10,7 +10,7 @@
 #include "viz/frame/stage.h"
 #include "viz/gpu/device.h"
 #include "viz/graph/executor.h"
-#include "viz/quality/zoom/zoom_options.h"
+#include "viz/quality/zoom/zoom_pass.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
 #include "viz/surface/depth_rasterizer.h"
@@ -18,7 +18,8 @@
 namespace kino {
 
 /// Where a finished picture goes. `image` must be in the GENERAL layout, colour-attachment and
-/// transfer-source capable, RGBA8 or BGRA8 (no sRGB view: values are sRGB-coded already).
+/// transfer-source and -destination capable, RGBA8 or BGRA8 (no sRGB view: values are sRGB-coded
+/// already).
 struct PictureTarget {
     VkImage image = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;
@@ -53,7 +54,8 @@ struct FrameOptions {
     std::function<graph::TextureId(graph::FrameGraph&, graph::TextureId target)> overlay;
 };
 
-/// The surface as the host gets it, for tests, picking and benches. Row-major, picture size.
+/// The surface as the host gets it, for tests, picking and benches. Row-major; of the size it is
+/// drawn at: the picture's, or ceil(W/z) x ceil(H/z) of a zoomed one (zoomed_view()).
 struct SurfaceReadback {
     Image<float> view_z_m;        ///< 0: nothing
     Image<std::uint32_t> id;      ///< depth pixel (cloud) or triangle (mesh); ~0: nothing
@@ -102,6 +104,8 @@ class Renderer {
     /// The last frame's graph, for documentation and debugging.
     [[nodiscard]] const std::string& graphviz() const { return graphviz_; }
     void keep_graphviz(bool keep) { keep_graphviz_ = keep; }
+    /// Bytes of mapped memory that zooming takes.
+    [[nodiscard]] std::uint64_t zoom_bytes() const { return zoom_.bytes(); }
 
   private:
     gpu::Device& device_;
@@ -115,6 +119,7 @@ class Renderer {
     gpu::Buffer view_z_readback_;
     gpu::Buffer id_readback_;
     gpu::Buffer normal_readback_;
+    ZoomPass zoom_;
     gpu::Buffer probe_readback_;
     bool keep_graphviz_ = false;
     std::string graphviz_;

@@ -189,6 +189,42 @@ void Executor::record_barrier(VkCommandBuffer commands, const FrameGraph& graph,
     vkCmdPipelineBarrier2(commands, &dependency);
 }
 
+Result<TimeNs> Executor::run_passes(const FrameGraph& graph, const CompiledGraph& compiled,
+                                    std::size_t first, std::size_t last, FrameReport& report) {
+    TimeNs elapsed = 0;
+    const auto execute = [&](const CompiledPass& compiled_pass, VkCommandBuffer buffer) {
+        const Pass& pass = graph.passes()[compiled_pass.pass];
+        PassContext context(*this, graph, gpu::Commands(device_, buffer));
+        pass.execute(context);
+        report.passes.push_back(pass.name);
+    };
+    while (first < last) {
+        const CompiledPass& pass = compiled.passes[first];
+        if (graph.passes()[pass.pass].on_host) {
+            KINO_CHECK(pass.first_use.empty());  // has no commands to touch a texture with
+            const TimeNs start = now_ns();
+            execute(pass, VK_NULL_HANDLE);
+            elapsed += now_ns() - start;
+            ++first;
+        } else {
+            KINO_ASSIGN(
+                const TimeNs submitted, device_.submit_and_wait([&](VkCommandBuffer buffer) {
+                    for (; first < last && !graph.passes()[compiled.passes[first].pass].on_host;
+                         ++first) {
+                        if (error_) continue;
+                        record_barrier(buffer, graph, compiled.passes[first]);
+                        execute(compiled.passes[first], buffer);
+                    }
+                    // Host reads of mapped memory follow the fence.
+                    gpu::Commands(device_, buffer).full_barrier();
+                }));
+            elapsed += submitted;
+        }
+        if (error_) return fail(*error_);
+    }
+    return elapsed;
+}
+
 Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
     const CompiledGraph compiled = graph.compile();
     if (upload_.empty()) {
@@ -238,18 +274,7 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
             }
             ++end_group;
         } while (end < compiled.passes.size() && !split_at(end_group));
-        KINO_ASSIGN(const TimeNs elapsed, device_.submit_and_wait([&](VkCommandBuffer buffer) {
-            for (std::size_t i = next; i < end && !error_; ++i) {
-                const CompiledPass& pass = compiled.passes[i];
-                record_barrier(buffer, graph, pass);
-                PassContext context(*this, graph, gpu::Commands(device_, buffer));
-                graph.passes()[pass.pass].execute(context);
-                report.passes.push_back(graph.passes()[pass.pass].name);
-            }
-            // Host reads of mapped memory follow the fence.
-            gpu::Commands(device_, buffer).full_barrier();
-        }));
-        if (error_) return fail(*error_);
+        KINO_ASSIGN(const TimeNs elapsed, run_passes(graph, compiled, next, end, report));
         report.submit_to_fence += elapsed;
         const bool single = end_group == group_index + 1;
         if (single && (timing == Timing::every_group || timing == Timing::every_pass ||

@@ -57,7 +57,8 @@ struct FrameReport {
     std::vector<std::string> passes;  ///< names, in order
     std::uint64_t transient_bytes = 0;
     std::uint64_t history_bytes = 0;
-    TimeNs submit_to_fence = 0;  ///< true frame time of the device, all parts summed
+    /// True frame time of the device, all parts summed, passes on the host among them.
+    TimeNs submit_to_fence = 0;
 };
 
 enum class Timing : std::uint8_t {
@@ -106,6 +107,9 @@ class Executor {
     Result<const gpu::Texture*> pooled_texture(const std::string& name, const TextureDesc& desc);
     void record_barrier(VkCommandBuffer commands, const FrameGraph& graph,
                         const CompiledPass& pass) const;
+    /// Passes [first, last) of the compiled graph, waited for.
+    Result<TimeNs> run_passes(const FrameGraph& graph, const CompiledGraph& compiled,
+                              std::size_t first, std::size_t last, FrameReport& report);
     void age_pool();
 
     gpu::Device& device_;

@@ -46,6 +46,8 @@ Access access_of(Use use) {
                     true};
         case Use::host_read:
             return {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT, false};
+        case Use::host_write:
+            return {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_WRITE_BIT, true};
     }
     return {};
 }

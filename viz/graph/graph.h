@@ -61,6 +61,7 @@ struct Pass {
     std::vector<ResourceUse> uses;
     Execute execute;
     bool side_effect = false;
+    bool on_host = false;
 };
 
 enum class ResourceKind : std::uint8_t { buffer, texture };
@@ -152,6 +153,9 @@ class PassBuilder {
     TextureId write(TextureId id, Use use);
     /// Runs even if nobody reads what it makes.
     void side_effect() { pass_.side_effect = true; }
+    /// Executes on the host, between two submits: everything declared before it is done then. It
+    /// records nothing and touches mapped memory only (host_read, host_write).
+    void on_host() { pass_.on_host = true; }
 
   private:
     friend class FrameGraph;

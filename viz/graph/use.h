@@ -19,7 +19,8 @@ enum class Use : std::uint8_t {
     transfer_write,
     color_attachment,
     depth_attachment,
-    host_read,  ///< mapped memory read after the fence
+    host_read,   ///< mapped memory read after the fence, or by a pass on the host
+    host_write,  ///< mapped memory written by a pass on the host
 };
 
 struct Access {

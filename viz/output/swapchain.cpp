@@ -71,7 +71,8 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
         .imageExtent = extent,
         .imageArrayLayers = 1,
         .imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
-                      (can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_SRC_BIT),
+                      (can.supportedUsageFlags &
+                       (VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT)),
         .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
         .preTransform = can.currentTransform,
         .compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR,
