@@ -56,6 +56,25 @@ BodyPose standing_pose() {
     return pose;
 }
 
+ArmPose arm_reaching(int side, const dvec3& wrist_m) {
+    const double s = sign_of(side);
+    const dvec3 line = wrist_m - dvec3(s * kShoulderOut, kChestUp - kShoulderDown, -0.015);
+    const double d = std::clamp(glm::length(line), 0.09, kUpperArm + kForearm - 0.003);
+    const dvec3 along = glm::normalize(line);
+    const dvec3 hanging(0.55 * s, -0.8, -0.25);
+    const dvec3 across = glm::normalize(hanging - along * glm::dot(hanging, along));
+    // Law of cosines: the elbow lies on the circle round the line from shoulder to wrist.
+    const double a = (d * d + kUpperArm * kUpperArm - kForearm * kForearm) / (2 * d);
+    const double h = std::sqrt(std::max(0.0, kUpperArm * kUpperArm - a * a));
+    ArmPose arm;
+    arm.upper = glm::normalize(along * a + across * h);
+    arm.lower = glm::normalize(along * d - arm.upper * kUpperArm);
+    arm.hand = arm.lower;
+    arm.palm = {-0.3 * s, -0.2, 1};
+    arm.shrug_rad = 0.35 * std::clamp(arm.upper.y + 0.3, 0.0, 1.0);
+    return arm;
+}
+
 BodyPose blend(const BodyPose& from, const BodyPose& to, double w) {
     BodyPose pose;
     pose.place_m = glm::mix(from.place_m, to.place_m, w);

@@ -52,6 +52,11 @@ struct PosedBody {
 /// Standing at ease, arms hanging, facing world +z.
 [[nodiscard]] BodyPose standing_pose();
 
+/// The arm whose wrist is at `wrist_m` (chest frame from the joint spine, where the left shoulder
+/// is at (0.178, 0.305, -0.015); pulled in if out of reach), the elbow hanging outwards, the palm
+/// to the front.
+[[nodiscard]] ArmPose arm_reaching(int side, const glm::dvec3& wrist_m);
+
 /// Every part between two poses; directions and rotations take the short way. w in [0, 1].
 [[nodiscard]] BodyPose blend(const BodyPose& from, const BodyPose& to, double w);
 

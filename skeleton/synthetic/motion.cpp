@@ -137,15 +137,12 @@ BodyPose pushing(double t) {
     return blend(pose, blend(ready, out, thrust), up);
 }
 
-struct Placement {
-    dvec3 place_m{0};
-    double yaw_rad = 0;
-};
+}  // namespace
 
-// Feet stay where they were put down while the body moves over them: each foot is set at the path's
-// place in the middle of its stance, and swings from there to the next. `path` may wind.
-template <class Path>
-BodyPose stepping(double t, int strides, double lift_m, const Path& path) {
+// Each foot is set at the path's place in the middle of its stance, and swings from there to the
+// next.
+BodyPose stepping_pose(double t, int strides, double lift_m,
+                       const std::function<Placement(double)>& path) {
     BodyPose pose = idle(t);
     const double stride_s = kMotionPeriodS / strides;
     constexpr double kStance = 0.62;
@@ -190,9 +187,11 @@ BodyPose stepping(double t, int strides, double lift_m, const Path& path) {
     return pose;
 }
 
+namespace {
+
 BodyPose walking(double t) {
     // A long ellipse behind the table, walked once a loop.
-    return stepping(t, 6, 0.10, [](double at) {
+    return stepping_pose(t, 6, 0.10, [](double at) {
         const double a = kTwoPi * at / kMotionPeriodS;
         const dvec3 place(1.12 * std::sin(a), 0, -2.95 + 0.42 * std::cos(a));
         const dvec3 speed(1.12 * std::cos(a), 0, -0.42 * std::sin(a));
@@ -204,7 +203,7 @@ BodyPose walking(double t) {
 }
 
 BodyPose turning(double t) {
-    return stepping(t, 8, 0.06, [](double at) {
+    return stepping_pose(t, 8, 0.06, [](double at) {
         return Placement{kSpot, kTwoPi * at / kMotionPeriodS};
     });
 }

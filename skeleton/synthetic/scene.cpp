@@ -69,12 +69,12 @@ double first_hit(std::span<const Primitive> solids, const dvec3& origin, const d
 
 void SyntheticScene::person_at(double t_s, std::vector<Primitive>& out) const {
     out.clear();
-    if (person) append_flesh(pose_body(pose_at(motion, t_s)), out);
+    if (person) append_flesh(pose_body(pose(t_s)), out);
 }
 
 std::vector<Body> SyntheticScene::bodies_at(double t_s) const {
     if (!person) return {};
-    const PosedBody posed = pose_body(pose_at(motion, t_s));
+    const PosedBody posed = pose_body(pose(t_s));
     const Pose depth_from_world = inverse(world_from_depth);
     const Projection projection(rig.depth);
     Body body;
@@ -133,6 +133,9 @@ Result<void> validate(const SyntheticScene& scene) {
             !std::isfinite(p.height + p.radius_a + p.radius_b) || !finite(p.half)) {
             return fail("a solid of the scene has a size or place that is not finite", "furniture");
         }
+    }
+    if (!(scene.seconds > 0) || !(scene.seconds < 3600)) {
+        return fail("the recording's length is not between 0 and an hour", "seconds");
     }
     const dvec3 size = scene.room.max_m - scene.room.min_m;
     if (!finite(size) || !(size.x > 0) || !(size.y > 0) || !(size.z > 0)) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/body.h"
@@ -19,12 +21,18 @@ struct SyntheticScene {
     RoomBox room;
     std::vector<Primitive> furniture;
     Motion motion = Motion::dance;
+    /// What the person does instead of `motion`, if set: pure, of any time.
+    std::function<BodyPose(double t_s)> act;
+    double seconds = kMotionPeriodS;  ///< the recording's length
+    std::string name;                 ///< empty: the motion's
     bool person = true;
+    bool tells_joints = true;  ///< the recording has a stream of true joints
     Pose world_from_depth;
     RigParameters rig;
 
     /// Projector to the right of the depth camera, depth-camera space, metres.
     [[nodiscard]] double emitter_x_m() const { return rig.disparity.emitter_distance_cm / 100; }
+    [[nodiscard]] BodyPose pose(double t_s) const { return act ? act(t_s) : pose_at(motion, t_s); }
     /// The person's solids at time t, world space; the same number at any time. Replaces `out`.
     void person_at(double t_s, std::vector<Primitive>& out) const;
     /// True joints in depth-camera space: inferred where furniture hides them from the depth camera

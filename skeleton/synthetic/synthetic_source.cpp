@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <utility>
@@ -21,9 +22,12 @@ constexpr std::array<StreamKind, 3> kKinds = {StreamKind::depth, StreamKind::col
 class SyntheticPlayer final : public SyntheticSource {
   public:
     SyntheticPlayer(SyntheticScene scene, const DepthSensorOptions& sensor, std::string uri)
-        : scene_(std::move(scene)), depth_sensor_(scene_.rig, sensor) {
+        : scene_(std::move(scene)),
+          depth_sensor_(scene_.rig, sensor),
+          frames_(std::max<std::int64_t>(1, std::lround(scene_.seconds * kRateHz))) {
         info_.uri = std::move(uri);
-        info_.name = fmt::format("synthetic {}", motion_name(scene_.motion));
+        info_.name = fmt::format("synthetic {}",
+                                 scene_.name.empty() ? motion_name(scene_.motion) : scene_.name);
         info_.serial = scene_.rig.serial;
         info_.note = scene_.rig.note;
         info_.licence = "Apache-2.0";
@@ -40,7 +44,9 @@ class SyntheticPlayer final : public SyntheticSource {
                                      kRateHz,
                                      "rgba 8 bit"});
         }
-        info_.streams.push_back({{0, StreamKind::bodies}, 0, 0, kRateHz, "20 true joints"});
+        if (scene_.tells_joints) {
+            info_.streams.push_back({{0, StreamKind::bodies}, 0, 0, kRateHz, "20 true joints"});
+        }
     }
 
     const SyntheticScene& scene() const override { return scene_; }
@@ -67,9 +73,9 @@ class SyntheticPlayer final : public SyntheticSource {
 
     Result<std::optional<FrameSet>> next(TimeNs) override {
         if (!std::exchange(started_, true)) events_.push_back({EventKind::started, 0, info_.name});
-        if (position_ >= kFrames) {
+        if (position_ >= frames_) {
             if (!std::exchange(ended_, true)) {
-                events_.push_back({EventKind::ended, time_at(kFrames), info_.name});
+                events_.push_back({EventKind::ended, time_at(frames_), info_.name});
             }
             return std::nullopt;
         }
@@ -77,16 +83,16 @@ class SyntheticPlayer final : public SyntheticSource {
     }
     std::vector<Event> take_events() override { return std::exchange(events_, {}); }
 
-    std::int64_t frame_count() const override { return kFrames; }
+    std::int64_t frame_count() const override { return frames_; }
     TimeNs time_of(std::int64_t index) const override {
-        KINO_CHECK(index >= 0 && index < kFrames);
+        KINO_CHECK(index >= 0 && index < frames_);
         return time_at(index);
     }
-    TimeNs last_frame_duration() const override { return time_at(kFrames) - time_at(kFrames - 1); }
+    TimeNs last_frame_duration() const override { return time_at(frames_) - time_at(frames_ - 1); }
     std::int64_t position() const override { return position_; }
     Result<void> seek(std::int64_t index) override {
-        if (index < 0 || index >= kFrames) {
-            return fail(fmt::format("frame {} is outside 0 to {}", index, kFrames - 1), info_.uri);
+        if (index < 0 || index >= frames_) {
+            return fail(fmt::format("frame {} is outside 0 to {}", index, frames_ - 1), info_.uri);
         }
         position_ = index;
         ended_ = false;
@@ -180,6 +186,7 @@ class SyntheticPlayer final : public SyntheticSource {
     SyntheticScene scene_;
     SourceInfo info_;
     DepthSensor depth_sensor_;
+    std::int64_t frames_;
     std::array<bool, kKinds.size()> wanted_{};
     std::vector<Event> events_;
     std::int64_t position_ = 0;

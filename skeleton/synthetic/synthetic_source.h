@@ -13,10 +13,11 @@
 
 namespace kino {
 
-/// "synthetic:[motion][?size=640x480|320x240][&noise=on|off]".
+/// "synthetic:[motion|performance][?size=640x480|320x240][&noise=on|off]".
 struct SyntheticOptions {
     Motion motion = Motion::dance;
-    int width = 640;  ///< of both cameras, px
+    bool performance = false;  ///< performance.h, instead of the motion
+    int width = 640;           ///< of both cameras, px
     int height = 480;
     bool noise = true;
 };
@@ -31,11 +32,11 @@ struct SyntheticTruth {
     BodyFrame bodies;         ///< depth-camera space
 };
 
-/// A person moving in a furnished room, seen by a computed Kinect v1: 300 frames, 30 Hz, a seamless
-/// loop. Depth is raw 11-bit disparity. Any frame depends on its index alone.
+/// A person moving in a room, seen by a computed Kinect v1 at 30 Hz; the motions are seamless loops
+/// of 300 frames. Depth is raw 11-bit disparity. Any frame depends on its index alone.
 class SyntheticSource : public Source, public Timeline {
   public:
-    static constexpr std::int64_t kFrames = 300;
+    static constexpr std::int64_t kFrames = 300;  ///< of a motion
     static constexpr double kRateHz = 30;
 
     /// Fails where validate(scene) does, or if a camera's width is not a multiple of 8.

@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "skeleton/synthetic/performance.h"
 #include "skeleton/synthetic/synthetic_source.h"
 
 namespace kino {
@@ -54,11 +55,12 @@ Result<SyntheticOptions> parse_synthetic_uri(const std::string& uri) {
     SyntheticOptions options;
     const std::size_t question = rest.find('?');
     const std::string_view name = rest.substr(0, question);
-    if (!name.empty()) {
+    options.performance = name == kPerformanceName;
+    if (!name.empty() && !options.performance) {
         const auto motion = motion_from_name(name);
         if (!motion) {
             return fail(fmt::format("there is no synthetic scene \"{}\"", name), uri,
-                        "scenes: " + motion_names());
+                        fmt::format("scenes: {}, {}", motion_names(), kPerformanceName));
         }
         options.motion = *motion;
     }
@@ -80,10 +82,13 @@ void register_synthetic_source() {
                          KINO_ASSIGN(const SyntheticOptions options, parse_synthetic_uri(uri));
                          DepthSensorOptions sensor;
                          sensor.noise = options.noise;
-                         KINO_ASSIGN(auto source,
-                                     SyntheticSource::create(
-                                         make_scene(options.motion, options.width, options.height),
-                                         sensor, uri));
+                         KINO_ASSIGN(
+                             auto source,
+                             SyntheticSource::create(
+                                 options.performance
+                                     ? make_performance(options.width, options.height)
+                                     : make_scene(options.motion, options.width, options.height),
+                                 sensor, uri));
                          return std::unique_ptr<Source>(std::move(source));
                      },
                      .list =
@@ -92,6 +97,7 @@ void register_synthetic_source() {
                              for (const Motion motion : all_motions()) {
                                  uris.push_back(fmt::format("{}{}", kScheme, motion_name(motion)));
                              }
+                             uris.push_back(fmt::format("{}{}", kScheme, kPerformanceName));
                              return uris;
                          }});
 }
