@@ -255,6 +255,7 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
     const std::size_t timed = groups.empty() ? 0 : next_timed_group_++ % groups.size();
 
     FrameReport report;
+    for (const std::string& group : groups) report.groups.push_back({group, -1});
     report.transient_bytes = compiled.transient_bytes;
     report.history_bytes = history_.total_bytes();
     // Consecutive passes go into one submit until a group's time is wanted.
@@ -280,6 +281,7 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
         if (single && (timing == Timing::every_group || timing == Timing::every_pass ||
                        (timing == Timing::one_group && group_index == timed))) {
             group_times_[group_index].ms = to_ms(elapsed);
+            report.groups[group_index].ms = to_ms(elapsed);
         }
         next = end;
         group_index = end_group;

@@ -55,6 +55,8 @@ struct GroupTime {
 /// What one executed frame was made of.
 struct FrameReport {
     std::vector<std::string> passes;  ///< names, in order
+    /// Runs of passes of one group, in order; ms below 0: not measured on its own in this frame.
+    std::vector<GroupTime> groups;
     std::uint64_t transient_bytes = 0;
     std::uint64_t history_bytes = 0;
     /// True frame time of the device, all parts summed, passes on the host among them.
@@ -105,11 +107,11 @@ class Executor {
     Result<void> place_history(const FrameGraph& graph);
     Result<const gpu::Buffer*> pooled_buffer(const std::string& name, std::uint64_t bytes);
     Result<const gpu::Texture*> pooled_texture(const std::string& name, const TextureDesc& desc);
-    void record_barrier(VkCommandBuffer commands, const FrameGraph& graph,
-                        const CompiledPass& pass) const;
     /// Passes [first, last) of the compiled graph, waited for.
     Result<TimeNs> run_passes(const FrameGraph& graph, const CompiledGraph& compiled,
                               std::size_t first, std::size_t last, FrameReport& report);
+    void record_barrier(VkCommandBuffer commands, const FrameGraph& graph,
+                        const CompiledPass& pass) const;
     void age_pool();
 
     gpu::Device& device_;
