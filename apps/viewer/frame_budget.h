@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/viewer/picture_cost.h"
+#include "apps/viewer/picture_levels.h"
 #include "viz/frame/renderer.h"
 #include "viz/quality/governor/governor.h"
 #include "viz/scene/scene.h"
@@ -24,43 +26,67 @@ struct FrameBudgetOptions {
 struct FrameChoice {
     double lod = 1;
     int zoom = 1;
-    std::vector<std::string> levels;  ///< "light: r 2", as the overlay shows them
-    double predicted_ms = 0;
-    double estimated_error = 0;  ///< mean FLIP
+    bool bilinear = false;            ///< the light is brought to full size without guides
+    std::vector<std::string> levels;  ///< "light 1/2", as the overlay shows them; empty: full
+    double predicted_ms = 0;          ///< 0: not known
+    double estimated_error = 0;       ///< mean FLIP
     friend bool operator==(const FrameChoice&, const FrameChoice&) = default;
 };
 
 /// Keeps a program's pictures at their rate: offers the governor what can be traded in this scene,
-/// puts its choice into the frame's options, and tells it what the frame took.
+/// puts its choice into the frame's options, and tells it what the frame took. A level that is
+/// expected to save less than a twentieth of the frame is not worth its error and not chosen.
 class FrameBudget {
   public:
     explicit FrameBudget(const FrameBudgetOptions& options);
 
-    /// Sets `frame.lod` and `frame.zoom` for the frame that is about to be drawn.
+    /// Sets `frame.lod` and `frame.zoom` for the frame that is about to be drawn, and has groups
+    /// of passes measured as far as it wants to know them (frame.timing). Off: leaves all as is.
     const FrameChoice& begin_frame(const Scene& scene, const View& view, FrameOptions& frame);
     /// `frame_ms`: the whole of it, with what else shares the cores. `says_nothing`: a cut, a
     /// resize, a screenshot.
     void frame_took(const FrameResult& result, double frame_ms, bool says_nothing = false);
 
     [[nodiscard]] const FrameChoice& choice() const { return choice_; }
+    [[nodiscard]] double target_ms() const { return options_.target_ms; }
+    [[nodiscard]] GovernorMode mode() const { return options_.mode; }
     void set_target(double ms);
+    void set_mode(GovernorMode mode) { options_.mode = mode; }
+    /// Expected parts of the frame at the level that was chosen; empty before anything was learnt
+    /// and where the mode is not automatic.
+    [[nodiscard]] std::vector<PictureCost::Part> parts() const;
+
     /// Choices of all frames so far, a line where one changed, for summaries; replay() repeats
     /// them instead of choosing.
     struct Logged {
         std::int64_t frame = 0;
         double lod = 1;
         int zoom = 1;
+        bool bilinear = false;
         friend bool operator==(const Logged&, const Logged&) = default;
     };
     [[nodiscard]] const std::vector<Logged>& log() const { return log_; }
+    /// Frames count from the next one on; before the first line they are drawn in full.
     void replay(std::vector<Logged> log);
 
   private:
+    void choose(const Scene& scene, const View& view);
+    void take(const PictureLevel& level);
+    void note();
+
     FrameBudgetOptions options_;
     Governor governor_;
+    PictureCost cost_;
+    std::vector<PictureLevel> levels_;
+    std::size_t level_ = 0;  ///< of levels_, that the frame is drawn at
+    glm::ivec2 size_{0};
+    bool staged_ = false;
+    int late_in_a_row_ = 0;
+    int frames_since_change_ = 0;
     FrameChoice choice_;
     std::vector<Logged> log_;
     std::vector<Logged> replayed_;
+    bool replays_ = false;
     std::int64_t frame_ = 0;
 };
 

@@ -80,8 +80,12 @@ void Governor::reconsider(const std::vector<std::vector<Level>>& levels, bool ne
     } else {
         const int calm = std::max(patience_, options_.calm_frames);
         const bool better = then.error < (1 - options_.least_gain) * now.error;
-        if (!better || frames_since_change_ < calm || late_in_a_row_ > 0) return;
-        last_change_was_up_ = true;
+        // While even the cheapest is late, a choice that nothing is won by is given up all the
+        // same.
+        const bool wins_nothing = then.cost_ms <= now.cost_ms;
+        if (!better || frames_since_change_ < calm) return;
+        if (late_in_a_row_ > 0 && !wins_nothing) return;
+        last_change_was_up_ = !wins_nothing;
     }
     choice_ = wanted;
     frames_since_change_ = 0;
@@ -122,7 +126,8 @@ void Governor::part_took(std::string_view name, double ms) {
 void Governor::frame_took(double ms, bool says_nothing) {
     ++frames_since_change_;
     if (says_nothing || !std::isfinite(ms) || ms < 0) return;
-    late_in_a_row_ = ms > options_.target_ms ? late_in_a_row_ + 1 : 0;
+    late_in_a_row_ = ms > options_.late_above * options_.target_ms ? late_in_a_row_ + 1 : 0;
+    if (!options_.learns) return;
     const auto levels = costs(offered_);
     const double parts_ms = sum_of(levels, choice_).cost_ms;
     const bool all_measured =

@@ -40,13 +40,17 @@ struct GovernorOptions {
     int late_frames = 3;       ///< this many over the target in a row ask for cheaper levels
     int calm_frames = 30;      ///< and after a change, better ones wait this long
     double least_gain = 0.05;  ///< share of the error that a better choice must save
+    double late_above = 1;     ///< a frame is late beyond this many targets
+    /// False: offers are times already (ms = work x first_ms_per_work), learnt by who makes them.
+    bool learns = true;
     std::map<std::string, std::string> fixed;  ///< part -> level, for GovernorMode::fixed
 };
 
 /// Owns the frame budget. Parts are offered every frame; their costs are learnt from what they
 /// took, and the set of levels that loses least within the budget is chosen (choose_levels). Gets
 /// cheaper after a few late frames, better after a calm time that doubles whenever a step to better
-/// had to be taken back, so that it does not swing between two choices.
+/// had to be taken back, so that it does not swing between two choices. A choice that is neither
+/// cheaper nor better than another is left after the calm time, late or not.
 class Governor {
   public:
     explicit Governor(GovernorOptions options) : options_(std::move(options)) {}

@@ -1,0 +1,221 @@
+#include "apps/viewer/picture_cost.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace kino {
+namespace {
+
+constexpr double kCalm = 0.25;      ///< weight of a measurement near what is known
+constexpr double kSurprised = 0.6;  ///< and of another
+constexpr double kSurprise = 0.25;
+constexpr double kMostSurprise = 4;  ///< more is a hiccup, and counts as this
+constexpr double kForgetting = 0.8;
+/// Reconstruction before it was ever measured: docs/accuracy/framebuffer-lod.md, ns a pixel, and no
+/// more than a part of the frame, for devices that are faster than those two cores.
+constexpr double kGuidedNs = 25;
+constexpr double kBilinearNs = 8;
+constexpr double kZoomNs = 4;
+constexpr double kMostGuess = 0.3;
+/// Of what a frame takes beside its light, so much grows with the pixels drawn, where no group says
+/// anything.
+constexpr double kPixelShare = 0.6;
+
+bool grows_with_pixels(std::string_view group) {
+    static const std::set<std::string_view> kGroups = {"raster", "normals", "final",
+                                                       "cull",   "frame",   "debug"};
+    return kGroups.count(group) > 0;
+}
+
+double pixels_of(glm::ivec2 size) {
+    return static_cast<double>(std::max(1, size.x)) * std::max(1, size.y);
+}
+
+void approach(double& known, double measured, bool at_once) {
+    if (at_once) {
+        known = measured;
+        return;
+    }
+    const double least = known / kMostSurprise;
+    measured = std::clamp(measured, least, std::max(known * kMostSurprise, least + 0.05));
+    const bool surprised = std::abs(measured - known) > kSurprise * known;
+    known += (surprised ? kSurprised : kCalm) * (measured - known);
+}
+
+}  // namespace
+
+PictureCost::Key PictureCost::key_of(std::string_view group, int occurrence,
+                                     const PictureLevel& level) {
+    const std::string name = fmt::format("{}#{}", group, occurrence);
+    const bool resized = level.lod > 1;
+    const char* way = level.reconstruction == Reconstruction::bilinear ? "bilinear" : "guided";
+    if (group == "lod") return {name + way, Grows::resized};
+    if (group == "shadows") return {name, Grows::with_shaded};
+    if (group == "light") {
+        // Shading comes first; what shading does not resize comes later.
+        if (occurrence == 0) return {name, Grows::with_shaded};
+        return resized ? Key{name + way, Grows::resized} : Key{name, Grows::not_resized};
+    }
+    if (group == "zoom") return {name, Grows::when_zoomed};
+    return {name, grows_with_pixels(group) ? Grows::with_drawn : Grows::never};
+}
+
+double PictureCost::factor(const Group& group, const PictureLevel& level, glm::ivec2 size) {
+    const PictureShare share = share_of(level, size);
+    const bool resized = level.lod > 1;
+    switch (group.grows) {
+        case Grows::with_shaded:
+            return share.shaded;
+        case Grows::with_drawn:
+            return share.drawn;
+        case Grows::resized:
+            return resized && level.reconstruction == group.reconstruction ? share.drawn : 0;
+        case Grows::not_resized:
+            return resized ? 0 : share.drawn;
+        case Grows::when_zoomed:
+            return level.zoom > 1 ? 1 : 0;
+        case Grows::never:
+            return 1;
+    }
+    return 1;
+}
+
+/// Of what this level would run and no frame has run yet.
+double PictureCost::unmeasured_ms(const PictureLevel& level, glm::ivec2 size) const {
+    double guided_ms = -1;
+    bool bilinear = false, zoom = false;
+    for (const auto& [key, group] : groups_) {
+        if (group.grows == Grows::when_zoomed) zoom = true;
+        if (group.grows != Grows::resized) continue;
+        if (group.reconstruction == Reconstruction::bilinear) {
+            bilinear = true;
+        } else {
+            guided_ms = std::max(0.0, guided_ms) + group.full_ms;
+        }
+    }
+    const double most_ms = kMostGuess * frame_ms_;
+    const auto guess = [&](double ns) { return std::min(most_ms, 1e-6 * ns * pixels_of(size)); };
+    double ms = 0;
+    if (level.lod > 1) {
+        const double drawn = share_of(level, size).drawn;
+        if (level.reconstruction == Reconstruction::bilinear) {
+            const double own =
+                guided_ms >= 0 ? guided_ms * kBilinearNs / kGuidedNs : guess(kBilinearNs);
+            if (!bilinear) ms += drawn * own;
+        } else if (guided_ms < 0) {
+            ms += drawn * guess(kGuidedNs);
+        }
+    }
+    if (level.zoom > 1 && !zoom) ms += std::min(0.2 * most_ms, 1e-6 * kZoomNs * pixels_of(size));
+    return ms;
+}
+
+double PictureCost::line_ms(const PictureLevel& level, glm::ivec2 size) const {
+    const PictureShare share = share_of(level, size);
+    const double others = 1 - kPixelShare + kPixelShare * share.drawn;
+    return line_.slope() * share.shaded + line_.offset() * others + unmeasured_ms(level, size);
+}
+
+double PictureCost::ms(const PictureLevel& level, glm::ivec2 size) const {
+    if (!knows_groups_) return has_line_ ? line_ms(level, size) : 0;
+    double sum = std::max(0.0, rest_ms_) + unmeasured_ms(level, size);
+    for (const auto& [key, group] : groups_) sum += group.full_ms * factor(group, level, size);
+    return sum;
+}
+
+std::vector<PictureCost::Part> PictureCost::parts(const PictureLevel& level,
+                                                  glm::ivec2 size) const {
+    std::vector<Part> parts;
+    const auto add = [&](const std::string& name, double ms) {
+        if (!(ms > 0)) return;
+        const auto known = std::find_if(parts.begin(), parts.end(),
+                                        [&](const Part& part) { return part.name == name; });
+        if (known == parts.end()) {
+            parts.push_back({name, ms});
+        } else {
+            known->ms += ms;
+        }
+    };
+    if (!knows_groups_) {
+        add("light", line_.slope() * share_of(level, size).shaded);
+        add("rest", ms(level, size) - line_.slope() * share_of(level, size).shaded);
+        return parts;
+    }
+    for (const auto& [key, group] : groups_) {
+        add(group.name == "lod" ? "resize" : group.name,
+            group.full_ms * factor(group, level, size));
+    }
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const Part& a, const Part& b) { return a.ms > b.ms; });
+    add("rest", rest_ms_);
+    return parts;
+}
+
+void PictureCost::learn_line(const PictureLevel& drawn, glm::ivec2 size, double frame_ms) {
+    const PictureShare share = share_of(drawn, size);
+    const double others = 1 - kPixelShare + kPixelShare * share.drawn;
+    const double ms = std::max(0.0, frame_ms - unmeasured_ms(drawn, size)) / others;
+    const double x = share.shaded / others;
+    if (!has_line_) {
+        // Half of it light: a guess that the first change of the level puts right.
+        line_ = CostModel(0.5 * ms / x, 0.5 * ms, kForgetting);
+        has_line_ = true;
+    }
+    line_.add(x, ms);
+}
+
+void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size,
+                        std::span<const graph::GroupTime> groups, double frame_ms, bool at_once) {
+    if (!std::isfinite(frame_ms) || frame_ms < 0) return;
+    frame_ms_ = frame_ms;
+    learn_line(drawn, size, frame_ms);
+    if (groups.empty()) {
+        knows_groups_ = false;
+        return;
+    }
+    std::map<std::string_view, int> occurrences;
+    std::set<std::string> ran;
+    double measured_ms = 0;
+    bool all_known = true;
+    for (const graph::GroupTime& time : groups) {
+        const Key key = key_of(time.group, occurrences[time.group]++, drawn);
+        ran.insert(key.text);
+        const bool measured = std::isfinite(time.ms) && time.ms >= 0;
+        const auto known = groups_.find(key.text);
+        if (known == groups_.end() && !measured) {
+            all_known = false;
+            continue;
+        }
+        if (known == groups_.end()) {
+            Group group{.name = time.group,
+                        .grows = key.grows,
+                        .reconstruction = drawn.reconstruction,
+                        .full_ms = 0};
+            const double times = factor(group, drawn, size);
+            group.full_ms = times > 0 ? time.ms / times : 0;
+            groups_.emplace(key.text, group);
+            measured_ms += time.ms;
+            continue;
+        }
+        const double times = factor(known->second, drawn, size);
+        measured_ms += measured ? time.ms : known->second.full_ms * times;
+        if (measured && times > 0) approach(known->second.full_ms, time.ms / times, at_once);
+    }
+    // What would have run at this level and did not is no longer called for.
+    std::erase_if(groups_, [&](const auto& entry) {
+        return ran.count(entry.first) == 0 && factor(entry.second, drawn, size) > 0;
+    });
+    knows_groups_ = all_known;
+    if (!all_known) return;
+    const double rest = std::max(0.0, frame_ms - measured_ms);
+    if (rest_ms_ < 0) {
+        rest_ms_ = rest;
+    } else {
+        approach(rest_ms_, rest, at_once);
+    }
+}
+
+}  // namespace kino

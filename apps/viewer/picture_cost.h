@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/viewer/picture_levels.h"
+#include "viz/graph/executor.h"
+#include "viz/quality/governor/cost_model.h"
+
+namespace kino {
+
+/// What pictures take, learnt from those that were drawn. A frame is the sum of its groups of
+/// passes: light grows with the samples that are shaded, reconstruction and what else is done for
+/// every pixel with the pixels that are drawn, the rest with neither. Until every group was
+/// measured on its own, a line through whole frames' times stands for them.
+class PictureCost {
+  public:
+    /// Milliseconds that a frame at this level is expected to take; 0 before anything was learnt.
+    [[nodiscard]] double ms(const PictureLevel& level, glm::ivec2 size) const;
+    /// One frame: its groups in order (FrameReport::groups; negative times: not measured) and the
+    /// whole of it. `at_once`: what it says is known to be no hiccup, and replaces what was known.
+    void learn(const PictureLevel& drawn, glm::ivec2 size, std::span<const graph::GroupTime> groups,
+               double frame_ms, bool at_once = false);
+    /// Every group of the last frame was measured at least once.
+    [[nodiscard]] bool knows_groups() const { return knows_groups_; }
+
+    /// ms() in its parts: light, reconstruction, the other groups by name, and the rest.
+    struct Part {
+        std::string name;
+        double ms = 0;
+    };
+    [[nodiscard]] std::vector<Part> parts(const PictureLevel& level, glm::ivec2 size) const;
+
+  private:
+    enum class Grows : std::uint8_t {
+        with_shaded,
+        with_drawn,
+        resized,      ///< with the drawn pixels, and only where light is resized
+        not_resized,  ///< and only where it is not
+        when_zoomed,  ///< runs only then
+        never
+    };
+    struct Group {
+        std::string name;
+        Grows grows = Grows::never;
+        Reconstruction reconstruction = Reconstruction::geometry_aware;  ///< of resized ones
+        double full_ms = 0;  ///< at full size with all pixels shaded
+    };
+    struct Key {
+        std::string text;
+        Grows grows = Grows::never;
+    };
+
+    [[nodiscard]] static Key key_of(std::string_view group, int occurrence,
+                                    const PictureLevel& level);
+    /// What a group's full_ms is multiplied by; 0: it does not run.
+    [[nodiscard]] static double factor(const Group& group, const PictureLevel& level,
+                                       glm::ivec2 size);
+    [[nodiscard]] double unmeasured_ms(const PictureLevel& level, glm::ivec2 size) const;
+    [[nodiscard]] double line_ms(const PictureLevel& level, glm::ivec2 size) const;
+    void learn_line(const PictureLevel& drawn, glm::ivec2 size, double frame_ms);
+
+    std::map<std::string, Group> groups_;
+    bool knows_groups_ = false;
+    double rest_ms_ = -1;  ///< host and hand-over; below 0: not learnt yet
+    double frame_ms_ = 0;  ///< of the last frame
+    CostModel line_{0, 0};
+    bool has_line_ = false;
+};
+
+}  // namespace kino
