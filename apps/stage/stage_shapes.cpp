@@ -119,6 +119,10 @@ std::shared_ptr<const MeshAsset> make_bead() {
     return make_sphere(0.5f, 6, 4);
 }
 
+std::shared_ptr<const MeshAsset> make_spark() {
+    return make_sphere(0.5f, 4, 2);
+}
+
 std::shared_ptr<const MeshAsset> make_stroke() {
     return make_cylinder(0.5f, 1, 5);
 }

@@ -158,6 +158,66 @@ TEST_F(RasterTest, NanAndInfiniteDepthDrawNothingAndHarmNothing) {
     }
 }
 
+/// `live` with readings within the rectangle alone.
+LiveDepth cut_to(const LiveDepth& live, int x0, int y0, int x1, int y1) {
+    LiveDepth cut = live;
+    auto surface = std::make_shared<DepthSurface>(*live.surface);
+    for (int y = 0; y < surface->depth_m.height(); ++y) {
+        for (int x = 0; x < surface->depth_m.width(); ++x) {
+            if (x < x0 || x >= x1 || y < y0 || y >= y1) surface->depth_m.at(x, y) = 0;
+        }
+    }
+    surface->version = next_version();
+    cut.surface = surface;
+    return cut;
+}
+
+constexpr int kCutParts[][4] = {{70, 40, 101, 90},    {0, 0, 160, 1},     {63, 15, 65, 17},
+                                {159, 119, 160, 120}, {1, 100, 140, 119}, {20, 20, 20, 20}};
+
+// Of a frame that is mostly empty only the part with readings is walked and resolved. Two readings
+// 1 mm before the sensor, in opposite corners, belong to no triangle and make it the whole frame.
+TEST_F(RasterTest, MeshOfACutOutFrameIsDrawnAsInTheWholeOne) {
+    const LiveDepth live = test_scene(DepthStyle::mesh);
+    for (const auto& part : kCutParts) {
+        const LiveDepth cut = cut_to(live, part[0], part[1], part[2], part[3]);
+        LiveDepth whole = cut;
+        auto surface = std::make_shared<DepthSurface>(*cut.surface);
+        for (const std::size_t corner : {std::size_t{0}, surface->depth_m.size() - 1}) {
+            float& z = surface->depth_m.pixels()[corner];
+            if (z == 0) z = 1e-3f;
+        }
+        surface->version = next_version();
+        whole.surface = surface;
+        for (const NamedView& named : standard_views(live, small_camera(), 320, 180)) {
+            for (const bool ids : {false, true}) {
+                SCOPED_TRACE(named.name + " from column " + std::to_string(part[0]));
+                const FrameResult a = draw(cut, named.view, RasterPath::compute, ids);
+                const FrameResult b = draw(whole, named.view, RasterPath::compute, ids);
+                EXPECT_EQ(a.picture, b.picture);
+                EXPECT_EQ(a.surface.view_z_m, b.surface.view_z_m);
+                EXPECT_EQ(a.surface.id, b.surface.id);
+                EXPECT_EQ(a.surface.normal, b.surface.normal);
+            }
+        }
+    }
+}
+
+TEST_F(RasterTest, CloudOfACutOutFrameAgreesWithTheReference) {
+    LiveDepth live = test_scene(DepthStyle::cloud);
+    for (const auto& part : kCutParts) {
+        const LiveDepth cut = cut_to(live, part[0], part[1], part[2], part[3]);
+        for (const NamedView& named : standard_views(live, small_camera(), 320, 180)) {
+            SCOPED_TRACE(named.name + " from column " + std::to_string(part[0]));
+            const Agreement agreement = compare_with_reference(
+                draw(cut, named.view, RasterPath::compute), reference_picture(cut, named.view));
+            if (agreement.reference_px == 0) continue;
+            EXPECT_GE(agreement.share(), 0.995);
+            EXPECT_GE(agreement.coverage(), 0.98);
+        }
+    }
+}
+
 // T(z) = 3 * 0.00307 z^2 + tan(80 deg) z / f: 29 mm at 1 m, 227 mm at 4 m with the Kinect's focal
 // length. Two half walls, one a step behind the other: joined below T, torn above.
 TEST_F(RasterTest, StepsAreBridgedBelowTheEdgeLimitAndTornAboveIt) {

@@ -62,12 +62,24 @@ void Commands::dispatch(std::uint32_t groups_x, std::uint32_t groups_y) {
     vkCmdDispatch(buffer_, groups_x, groups_y, 1);
 }
 
+void Commands::dispatch_from(std::uint32_t first_x, std::uint32_t first_y, std::uint32_t groups_x,
+                             std::uint32_t groups_y) {
+    vkCmdDispatchBase(buffer_, first_x, first_y, 0, groups_x, groups_y, 1);
+    // Lavapipe (Mesa 22.3) would begin the next indirect dispatch at the same group.
+    if (first_x != 0 || first_y != 0) vkCmdDispatch(buffer_, 0, 0, 0);
+}
+
 void Commands::dispatch_indirect(VkBuffer buffer, VkDeviceSize offset) {
     vkCmdDispatchIndirect(buffer_, buffer, offset);
 }
 
 void Commands::fill(VkBuffer buffer, std::uint32_t value) {
     vkCmdFillBuffer(buffer_, buffer, 0, VK_WHOLE_SIZE, value);
+}
+
+void Commands::fill(VkBuffer buffer, std::uint64_t offset, std::uint64_t bytes,
+                    std::uint32_t value) {
+    vkCmdFillBuffer(buffer_, buffer, offset, bytes, value);
 }
 
 void Commands::update(VkBuffer buffer, std::span<const std::uint32_t> words) {
@@ -112,6 +124,10 @@ void Commands::viewport(VkRect2D rect) {
                           0.0f,
                           1.0f};
     vkCmdSetViewport(buffer_, 0, 1, &port);
+    vkCmdSetScissor(buffer_, 0, 1, &rect);
+}
+
+void Commands::scissor(VkRect2D rect) {
     vkCmdSetScissor(buffer_, 0, 1, &rect);
 }
 

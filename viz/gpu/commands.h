@@ -49,8 +49,12 @@ class Commands {
     void constants(std::span<const std::byte> values) { push(values.data(), values.size()); }
 
     void dispatch(std::uint32_t groups_x, std::uint32_t groups_y = 1);
+    /// The same for groups from `first_x`, `first_y` on.
+    void dispatch_from(std::uint32_t first_x, std::uint32_t first_y, std::uint32_t groups_x,
+                       std::uint32_t groups_y);
     void dispatch_indirect(VkBuffer buffer, VkDeviceSize offset);
     void fill(VkBuffer buffer, std::uint32_t value);
+    void fill(VkBuffer buffer, std::uint64_t offset, std::uint64_t bytes, std::uint32_t value);
     /// Writes a few words at the front of a buffer; at most 64 KB.
     void update(VkBuffer buffer, std::span<const std::uint32_t> words);
 
@@ -58,6 +62,8 @@ class Commands {
     void end_rendering();
     /// Limits drawing to a rectangle of the targets; inside begin/end_rendering.
     void viewport(VkRect2D rect);
+    /// Limits what is written without moving it.
+    void scissor(VkRect2D rect);
     void draw(std::uint32_t vertices, std::uint32_t instances = 1);
     void draw_indirect(VkBuffer buffer, VkDeviceSize offset = 0);  ///< one VkDrawIndirectCommand
     void draw_indexed(VkBuffer indices, std::uint32_t count);      ///< 32-bit indices

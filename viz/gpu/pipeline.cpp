@@ -280,6 +280,7 @@ Result<std::unique_ptr<Pipeline>> Pipelines::create(const PipelineDesc& desc) {
     if (compute) {
         const VkComputePipelineCreateInfo create{
             .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+            .flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT,
             .stage = stages.infos.front(),
             .layout = pipeline->layout};
         KINO_VK_TRY(vkCreateComputePipelines(device_.handle(), device_.pipeline_cache(), 1, &create,

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "viz/surface/depth_passes.h"
@@ -81,13 +82,24 @@ gpu::PipelineDesc compute(const char* name, std::span<const std::uint32_t> code,
     return desc;
 }
 
-BufferId add_clear(graph::FrameGraph& graph, const SurfaceParams& params) {
-    BufferId visibility = graph.create_buffer("visibility", {pixel_count(params) * 8});
+/// Rows that nothing is drawn into are left as they are, and not read.
+BufferId add_clear(graph::FrameGraph& graph, const DepthPassInputs& in) {
+    BufferId visibility = graph.create_buffer("visibility", {pixel_count(in.params) * 8});
+    const std::uint64_t row_bytes = std::uint64_t{in.params.target.x} * 8;
+    // Holes are filled from a row farther off.
+    constexpr std::uint32_t kReach = 2;
+    const auto top = static_cast<std::uint32_t>(in.picture.offset.y);
+    const std::uint32_t from = top - std::min(top, kReach);
+    const std::uint32_t to = std::min(top + in.picture.extent.height + kReach, in.params.target.y);
+    const std::uint64_t first = from * row_bytes;
+    const std::uint64_t bytes = (to - from) * row_bytes;
     // Ids captured by a pass name the resource, not its version: what matters to execution.
     graph.add_pass(
         "surface/clear", kRasterGroup,
         [&](PassBuilder& b) { visibility = b.write(visibility, Use::transfer_write); },
-        [id = visibility](PassContext& c) { c.commands().fill(c.buffer(id), UINT32_MAX); });
+        [=, id = visibility](PassContext& c) {
+            c.commands().fill(c.buffer(id), first, bytes, UINT32_MAX);
+        });
     return visibility;
 }
 
@@ -98,6 +110,13 @@ void for_each_key_pass(bool key32, SurfaceParams params, AddPass add_pass) {
         params.key_pass = key_pass;
         add_pass(params, key_pass == 1);
     }
+}
+
+/// One lane a depth pixel, in groups of 64 along rows.
+void dispatch_pixels(PassContext& c, const DepthBounds& bounds) {
+    const std::uint32_t first = bounds.x0 / 64;
+    c.commands().dispatch_from(first, bounds.y0, groups_of_64(bounds.x1) - first,
+                               bounds.y1 - bounds.y0);
 }
 
 /// Without normals and ids the keys carry colours, and the resolve is a copy.
@@ -128,6 +147,8 @@ SurfaceTargets add_resolve(graph::FrameGraph& graph, const DepthPassInputs& in, 
                           in.params.fill_holes, color_payload && !key32 ? 1u : 0u};
         desc.color_formats = target_formats(c, targets);
         begin_targets(c, targets, false, nullptr);
+        record_background_around(c, targets, in.params, in.picture);
+        c.commands().scissor(in.picture);
         const bool bound =
             color_payload ? c.bind(desc, {c.bound(visibility)})
                           : c.bind(desc, {c.bound(visibility), c.bound(in.depth), c.bound(in.rays),
@@ -170,14 +191,14 @@ BufferId add_normals_pass(graph::FrameGraph& graph, const DepthPassInputs& in) {
                 return;
             }
             c.commands().constants(in.params);
-            c.commands().dispatch(groups_of_64(in.params.grid.x), in.params.grid.y);
+            dispatch_pixels(c, in.bounds);
         });
     return normals;
 }
 
 SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs& in, bool key32,
                                  SurfaceTargets targets) {
-    BufferId visibility = add_clear(graph, in.params);
+    BufferId visibility = add_clear(graph, in);
     for_each_key_pass(key32, in.params, [&](const SurfaceParams& params, bool index_pass) {
         graph.add_pass(
             index_pass ? "surface/splat index" : "surface/splat", kRasterGroup,
@@ -199,7 +220,7 @@ SurfaceTargets add_compute_cloud(graph::FrameGraph& graph, const DepthPassInputs
                     return;
                 }
                 c.commands().constants(params);
-                c.commands().dispatch(groups_of_64(params.grid.x), params.grid.y);
+                dispatch_pixels(c, in.bounds);
             });
     });
     return add_resolve(graph, in, visibility, false, key32, targets);
@@ -210,7 +231,7 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
     const std::uint64_t cells = std::uint64_t{in.params.grid.x - 1} * (in.params.grid.y - 1);
     const std::vector<std::uint32_t> constants = {carries_color(targets) ? 1u : 0u,
                                                   in.has_color ? 1u : 0u};
-    BufferId visibility = add_clear(graph, in.params);
+    BufferId visibility = add_clear(graph, in);
     // Room for every triangle, so that no view can overflow it.
     BufferId large =
         graph.create_buffer("large triangles", {sizeof(shared::LargeList) + 2 * cells * 4});
@@ -242,8 +263,10 @@ SurfaceTargets add_compute_mesh(graph::FrameGraph& graph, const DepthPassInputs&
                 }
                 c.commands().constants(params);
                 // A thread walks down sixteen cells of a column.
-                c.commands().dispatch(groups_of_64(params.grid.x - 1),
-                                      (params.grid.y - 1 + 15) / 16);
+                const DepthBounds& b = in.bounds;
+                const std::uint32_t first_y = b.y0 / 16;
+                c.commands().dispatch_from(b.x0 / 64, first_y, groups_of_64(b.x1) - b.x0 / 64,
+                                           (b.y1 + 15) / 16 - first_y);
             });
         graph.add_pass(
             index_pass ? "surface/large triangles index" : "surface/large triangles", kRasterGroup,

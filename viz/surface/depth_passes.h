@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viz/graph/graph.h"
+#include "viz/surface/depth_bounds.h"
 #include "viz/surface/depth_rasterizer.h"
 #include "viz/surface/surface_shared.h"
 
@@ -15,6 +16,8 @@ struct DepthPassInputs {
     graph::BufferId normals;  ///< invalid unless normals are wanted
     bool has_color = false;
     bool pinhole = false;  ///< params.depth_k says what `rays` would
+    DepthBounds bounds;    ///< readings lie in here; never empty
+    VkRect2D picture{};    ///< and are drawn in here
 };
 
 /// Index of the specialisation constant kPinhole (viz/surface/depth_grid.glsl).
@@ -42,6 +45,11 @@ constexpr std::size_t kPinholeConstant = 9;
 /// depth, normal or id.
 [[nodiscard]] SurfaceTargets add_background(graph::FrameGraph& graph, SurfaceTargets targets,
                                             std::uint32_t top, std::uint32_t bottom);
+
+/// Draws the same into the pass's own targets, outside of `rect` alone; begin_targets() came
+/// before.
+void record_background_around(graph::PassContext& context, const SurfaceTargets& targets,
+                              const shared::SurfaceParams& params, VkRect2D rect);
 
 /// Declares the wanted targets as colour attachments of `builder`'s pass.
 void write_targets(graph::PassBuilder& builder, SurfaceTargets& targets);

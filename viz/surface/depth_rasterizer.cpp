@@ -89,6 +89,7 @@ Result<void> DepthRasterizer::upload(const DepthSurface& surface) {
     width_ = width;
     height_ = height;
     focal_px_ = surface.focal_px;
+    bounds_ = measure_depth_bounds(surface.depth_m);
     version_ = surface.version;
     return {};
 }
@@ -122,14 +123,25 @@ SurfaceTargets DepthRasterizer::add(graph::FrameGraph& graph, const LiveDepth& l
                            .depth = graph.import_buffer("depth", depth_),
                            .rays = graph.import_buffer("rays", rays_),
                            .has_color = has_color_,
-                           .pinhole = pinhole_.has_value()};
+                           .pinhole = pinhole_.has_value(),
+                           .bounds = {.x1 = width_, .y1 = height_},
+                           .picture = {{0, 0}, {params.target.x, params.target.y}}};
+    const bool mesh = live.style == DepthStyle::mesh;
+    if (path != RasterPath::hardware && !recolor && pinhole_) {
+        // One reading at least, so that no pass has to be left out.
+        if (!bounds_.empty()) inputs.bounds = bounds_;
+        // Splats and filled holes reach beyond the points.
+        const double margin_px = 2.0 + (mesh ? 0.0 : 0.5 * params.splat_cap_px + 1.0);
+        inputs.picture =
+            bounds_.empty() ? VkRect2D{{0, 0}, {1, 1}} : picture_bounds(params, bounds_, margin_px);
+        targets.live = inputs.picture;
+    }
     inputs.color = has_color_ ? graph.import_buffer("colour", color_) : inputs.depth;
     if (targets.normal.valid() || recolor) inputs.normals = add_normals_pass(graph, inputs);
     if (recolor) {
         inputs.color = recolor(graph, inputs);
         inputs.has_color = true;
     }
-    const bool mesh = live.style == DepthStyle::mesh;
     if (path == RasterPath::hardware && mesh && device_.info().has_geometry_shader) {
         if (indices_.empty()) {
             const std::vector<std::uint32_t> indices = grid_indices(width_, height_);

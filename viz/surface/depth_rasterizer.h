@@ -9,6 +9,7 @@
 #include "viz/graph/graph.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
+#include "viz/surface/depth_bounds.h"
 
 namespace kino {
 
@@ -27,6 +28,7 @@ struct SurfaceTargets {
     graph::TextureId normal;  ///< RG16 snorm, octahedral, view space
     graph::TextureId id;      ///< R32UI: depth pixel (cloud) or triangle (mesh), ~0 = nothing
     graph::TextureId object;  ///< R32UI: material << 16 | object id; 0: live depth or nothing
+    VkRect2D live{};  ///< outside of it nothing of the live frame is; without area: not known
 };
 constexpr VkFormat kViewZFormat = VK_FORMAT_R32_SFLOAT;
 constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16_SNORM;
@@ -71,6 +73,7 @@ class DepthRasterizer {
     std::uint32_t height_ = 0;
     double focal_px_ = 0;
     bool has_color_ = false;
+    DepthBounds bounds_;
     std::optional<glm::vec4> pinhole_;  ///< 1/fx, 1/fy, cx, cy where the rays are a plain pinhole's
 };
 

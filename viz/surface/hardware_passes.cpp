@@ -27,8 +27,7 @@ constexpr std::uint32_t kBackground[] = {
 #include "background_frag.inc"
 };
 
-/// Fills the targets with "nothing there": the gradient, and no depth, normal or id.
-void draw_background(PassContext& c, const SurfaceTargets& targets,
+bool bind_background(PassContext& c, const SurfaceTargets& targets,
                      const shared::SurfaceParams& params) {
     gpu::PipelineDesc desc;
     desc.name = "surface/background";
@@ -36,11 +35,16 @@ void draw_background(PassContext& c, const SurfaceTargets& targets,
     desc.fragment = kBackground;
     desc.push_bytes = sizeof(params);
     desc.color_formats = target_formats(c, targets);
+    if (!c.bind(desc, {})) return false;
+    c.commands().constants(params);
+    return true;
+}
+
+/// Fills the targets with "nothing there": the gradient, and no depth, normal or id.
+void draw_background(PassContext& c, const SurfaceTargets& targets,
+                     const shared::SurfaceParams& params) {
     begin_targets(c, targets, false, nullptr);
-    if (c.bind(desc, {})) {
-        c.commands().constants(params);
-        c.commands().draw(3);
-    }
+    if (bind_background(c, targets, params)) c.commands().draw(3);
     c.commands().end_rendering();
 }
 
@@ -96,6 +100,29 @@ SurfaceTargets add_hardware(graph::FrameGraph& graph, const DepthPassInputs& in,
 }
 
 }  // namespace
+
+void record_background_around(PassContext& c, const SurfaceTargets& targets,
+                              const shared::SurfaceParams& params, VkRect2D rect) {
+    const std::uint32_t left = static_cast<std::uint32_t>(rect.offset.x);
+    const std::uint32_t top = static_cast<std::uint32_t>(rect.offset.y);
+    const std::uint32_t right = left + rect.extent.width;
+    const std::uint32_t bottom = top + rect.extent.height;
+    const std::array<VkRect2D, 4> strips = {
+        VkRect2D{{0, 0}, {params.target.x, top}},
+        VkRect2D{{0, static_cast<std::int32_t>(bottom)},
+                 {params.target.x, params.target.y - bottom}},
+        VkRect2D{{0, rect.offset.y}, {left, rect.extent.height}},
+        VkRect2D{{static_cast<std::int32_t>(right), rect.offset.y},
+                 {params.target.x - right, rect.extent.height}}};
+    bool bound = false;
+    for (const VkRect2D& strip : strips) {
+        if (strip.extent.width == 0 || strip.extent.height == 0) continue;
+        if (!bound && !bind_background(c, targets, params)) return;
+        bound = true;
+        c.commands().scissor(strip);
+        c.commands().draw(3);
+    }
+}
 
 SurfaceTargets add_background(graph::FrameGraph& graph, SurfaceTargets targets, std::uint32_t top,
                               std::uint32_t bottom) {

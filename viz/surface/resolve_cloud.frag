@@ -18,6 +18,7 @@ void main() {
     if (kWantNormal != 0u) {
         uint bits = normals[i];
         vec3 ray = vec3((vec2(at) - p.k.zw) / p.k.xy, 1.0);
-        out_normal = bits != 0x80008000u ? unpackSnorm2x16(bits) : to_octahedral(-normalize(ray));
+        vec2 known = bits != 0x80008000u ? unpackSnorm2x16(bits) : to_octahedral(-normalize(ray));
+        out_normal = covered ? known : vec2(0.0);
     }
 }

@@ -49,6 +49,7 @@ void main() {
         if (na != 0x80008000u) sum += w.x * unpack_octahedral(na);
         if (nb != 0x80008000u) sum += w.y * unpack_octahedral(nb);
         if (nc != 0x80008000u) sum += w.z * unpack_octahedral(nc);
-        out_normal = to_octahedral(dot(sum, sum) > 1e-6 ? normalize(sum) : -normalize(ray));
+        vec2 known = to_octahedral(dot(sum, sum) > 1e-6 ? normalize(sum) : -normalize(ray));
+        out_normal = covered ? known : vec2(0.0);
     }
 }
