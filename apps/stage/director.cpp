@@ -15,8 +15,12 @@ namespace {
 constexpr double kLongestStepS = 0.1;
 /// A swarm's lights come and go in this time.
 constexpr double kSwarmFadeS = 1;
+/// Tints come with this time constant.
+constexpr double kTintS = 0.15;
 /// What is darker than this part of itself is not there.
 constexpr double kLeastWeight = 1.0 / 256;
+/// Smaller beads are a pixel or two wide.
+constexpr double kSparkM = 0.015;
 /// The oldest part of a full trail fades, so that nothing vanishes at once.
 constexpr double kTailPart = 0.15;
 
@@ -74,6 +78,15 @@ std::uint32_t ids_of(const SceneRole& role, const StageProp& prop) {
 Director::Director(StageSet stage) : stage_(std::move(stage)) {
     for (SceneRole& role : stage_.file.roles) role.joints = joints_of(role);
     for (const SceneSwarm& swarm : stage_.file.swarms) swarms_.emplace_back(swarm);
+    const auto linear = [](const std::vector<SceneColor>& palette) {
+        std::vector<glm::vec3> colors;
+        for (const SceneColor& color : palette) colors.push_back(to_linear(color));
+        return colors;
+    };
+    for (const SceneSwarm& swarm : stage_.file.swarms) {
+        swarm_colors_.push_back(linear(swarm.palette));
+    }
+    for (const SceneRole& role : stage_.file.roles) role_colors_.push_back(linear(role.palette));
     reset();
 }
 
@@ -111,9 +124,35 @@ glm::dvec3 Director::target_m() const {
     return *world_from_stage_ * stage_.file.camera.target_m;
 }
 
+void Director::set_tint(std::vector<glm::vec3> colors) {
+    tint_ = std::move(colors);
+}
+
+void Director::tint(double dt_s) {
+    if (!tint_) return;
+    const auto part = static_cast<float>(1 - std::exp(-dt_s / kTintS));
+    const auto move = [&](std::vector<glm::vec3>& now, const std::vector<SceneColor>& own) {
+        for (std::size_t i = 0; i < now.size(); ++i) {
+            const glm::vec3 to = tint_->empty() ? to_linear(own[i]) : (*tint_)[i % tint_->size()];
+            now[i] = glm::mix(now[i], to, part);
+        }
+    };
+    for (std::size_t i = 0; i < swarms_.size(); ++i) {
+        move(swarm_colors_[i], swarms_[i].file().palette);
+    }
+    for (std::size_t i = 0; i < role_colors_.size(); ++i) {
+        move(role_colors_[i], stage_.file.roles[i].palette);
+    }
+}
+
 void Director::place(const StageMoment& moment) {
     if (stage_.file.origin == SceneOrigin::world) {
         world_from_stage_ = Pose{};
+        return;
+    }
+    if (moment.world_from_stage) {
+        world_from_stage_ = moment.world_from_stage;
+        found_person_ = true;
         return;
     }
     if (found_person_) return;
@@ -227,7 +266,8 @@ void Director::follow_prop(std::size_t role, const Led& led, const glm::dvec3& a
     }
 }
 
-void Director::follow(std::size_t role_index, double dt_s) {
+void Director::follow(std::size_t role_index, double dt_s,
+                      const std::vector<std::uint32_t>* leads_role) {
     const SceneRole& role = stage_.file.roles[role_index];
     int people = 0;
     std::uint32_t first_id = 1 + static_cast<std::uint32_t>(stage_.standing.size());
@@ -240,7 +280,9 @@ void Director::follow(std::size_t role_index, double dt_s) {
         role.trail && role.trail->stroke_m > 0 ? static_cast<std::uint32_t>(role.trail->lights) : 0;
     std::size_t number = 0;
     for (const CastMember& member : cast_.members()) {
-        const bool has_role = member.present && people++ < role.people;
+        const bool may = leads_role == nullptr || std::find(leads_role->begin(), leads_role->end(),
+                                                            member.id) != leads_role->end();
+        const bool has_role = member.present && may && people++ < role.people;
         for (const Joint joint : role.joints) {
             Led& led = led_[role_index][number];
             const std::uint32_t id = first_id + ids * static_cast<std::uint32_t>(number);
@@ -265,11 +307,11 @@ void Director::follow(std::size_t role_index, double dt_s) {
                     const glm::dvec3 out = turned({0, 0, 1});
                     beam -= 2 * std::max(0.0, glm::dot(beam, out)) * out;
                 }
-                add_light(
-                    *role.light, at.world_m + turned(role.light->at_m), beam,
-                    to_linear(role.palette.empty() ? role.light->color
-                                                   : role.palette[color % role.palette.size()]),
-                    smooth_step(led.presence));
+                add_light(*role.light, at.world_m + turned(role.light->at_m), beam,
+                          role.palette.empty()
+                              ? to_linear(role.light->color)
+                              : role_colors_[role_index][color % role.palette.size()],
+                          smooth_step(led.presence));
             }
             if (role.prop) {
                 follow_prop(role_index, led, at.world_m + turned(role.prop->off_m), id + trail_ids);
@@ -299,14 +341,15 @@ void Director::let_swarm(std::size_t index, double dt_s, std::uint32_t first_id)
         const SwarmMoment moment = swarm.at(i, time_s_);
         const glm::dvec3 world = *world_from_stage_ * moment.stage_m;
         const glm::vec3 color =
-            file.palette.empty() ? glm::vec3(1) : to_linear(file.palette[one.color]);
+            file.palette.empty() ? glm::vec3(1) : swarm_colors_[index][one.color];
         add_light({.intensity = one.intensity, .radius_m = one.radius_m, .shadow = file.shadow},
                   world, {0, -1, 0}, color, weight * moment.weight);
         const double bead = file.bead_m * std::sqrt(weight * moment.weight);
         if (file.bead_m <= 0 || bead < 0.05 * file.bead_m) continue;
         // A light that casts shadows hangs below its ball, which would swallow it otherwise.
         const glm::dvec3 hung = world + glm::dvec3(0, file.shadow ? 0.8 * file.bead_m : 0, 0);
-        add_node(first_id + static_cast<std::uint32_t>(i), {.mesh = stage_.bead},
+        add_node(first_id + static_cast<std::uint32_t>(i),
+                 {.mesh = file.bead_m < kSparkM ? stage_.spark : stage_.bead},
                  glm::scale(glm::translate(glm::dmat4(1), hung), glm::dvec3(bead)),
                  stage_.swarm_glow[index][one.color]);
     }
@@ -320,7 +363,8 @@ void Director::step(const StageMoment& moment) {
     place(moment);
     lights_.clear();
     nodes_.clear();
-    local_lights_ = 0;
+    local_lights_ = moment.other_lights;
+    tint(dt_s);
     // What was never asked for was never shown, and nothing moved since then.
     if (std::exchange(shown_, false)) std::swap(before_, now_);
     now_.assign(std::max(before_.size(), now_.size()), std::nullopt);
@@ -332,7 +376,7 @@ void Director::step(const StageMoment& moment) {
     }
     light_standing();
     for (std::size_t i = 0; i < stage_.file.roles.size(); ++i) {
-        follow(i, dt_s);
+        follow(i, dt_s, moment.leads);
         id += ids_of(stage_.file.roles[i], stage_.props[i]) *
               static_cast<std::uint32_t>(led_[i].size());
     }
@@ -340,6 +384,7 @@ void Director::step(const StageMoment& moment) {
         let_swarm(i, dt_s, id);
         if (swarms_[i].file().bead_m > 0) id += static_cast<std::uint32_t>(swarms_[i].all().size());
     }
+    local_lights_ -= std::min(local_lights_, moment.other_lights);
 }
 
 void Director::fill(Scene& scene) {
@@ -348,6 +393,12 @@ void Director::fill(Scene& scene) {
     const auto srgb = [](const SceneColor& c) { return glm::vec3(c.r, c.g, c.b) / 255.0f; };
     scene.meshes = nodes_;
     scene.materials = stage_.materials;
+    for (std::size_t i = 0; tint_ && i < swarms_.size(); ++i) {
+        const std::vector<std::uint32_t>& glow = stage_.swarm_glow[i];
+        for (std::size_t c = 0; c < std::min(glow.size(), swarm_colors_[i].size()); ++c) {
+            scene.materials[glow[c] - 1].emission = kStageGlow * swarm_colors_[i][c];
+        }
+    }
     scene.lights = lights_;
     scene.color_mode = file.color;
     scene.ambient = to_linear(file.ambient);

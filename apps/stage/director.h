@@ -19,6 +19,10 @@ struct StageMoment {
     const BodyFrame* bodies = nullptr;  ///< depth-camera space; null: nobody
     Pose world_from_depth;
     glm::dvec3 middle_m{0};  ///< world: where people are to be expected while nobody was seen
+    /// Where the stage is to stand; empty: it finds out. Not for scenes with a place of their own.
+    std::optional<Pose> world_from_stage;
+    const std::vector<std::uint32_t>* leads = nullptr;  ///< bodies that have roles; null: all
+    std::size_t other_lights = 0;  ///< that somebody else adds: swarms that fill up count them
 };
 
 /// Leads a stage: where it stands, what burns, what moves. The same moments give the same bits; no
@@ -30,6 +34,9 @@ class Director {
     /// A new source: everybody leaves, and the stage stands nowhere yet.
     void reset();
     void step(const StageMoment& moment);
+    /// Linear colours that swarms and lights with a palette take instead of their own, in turn;
+    /// empty: their own again. They change over within half a second of steps.
+    void set_tint(std::vector<glm::vec3> colors);
     /// Meshes, materials, lights, colours. The live node and the bodies are left as they are,
     /// except that bodies are taken out where the scene shows no skeleton.
     void fill(Scene& scene);
@@ -53,8 +60,9 @@ class Director {
     };
 
     void place(const StageMoment& moment);
+    void tint(double dt_s);
     void light_standing();
-    void follow(std::size_t role, double dt_s);
+    void follow(std::size_t role, double dt_s, const std::vector<std::uint32_t>* leads);
     void follow_trail(std::size_t role, Led& led, std::uint32_t first_id);
     void follow_prop(std::size_t role, const Led& led, const glm::dvec3& at_m,
                      std::uint32_t first_id);
@@ -68,6 +76,8 @@ class Director {
     StageSet stage_;
     std::vector<Swarm> swarms_;
     std::vector<std::vector<double>> swarm_presence_;
+    std::vector<std::vector<glm::vec3>> swarm_colors_, role_colors_;  ///< linear, as they are now
+    std::optional<std::vector<glm::vec3>> tint_;                      ///< once one was asked for
     std::vector<std::vector<Led>> led_;  ///< by role; by place and joint
     Cast cast_;
     std::optional<Pose> world_from_stage_;

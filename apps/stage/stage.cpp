@@ -17,9 +17,6 @@
 namespace kino {
 namespace {
 
-/// A glowing thing is brighter than white, so that it stays bright beside what it lights.
-constexpr float kGlow = 1.5f;
-
 Lobe lobe_of(const SceneLobe& file) {
     return {.kind = file.kind,
             .color = to_linear(file.color),
@@ -63,7 +60,7 @@ class GlowMaterials {
                 materials_.push_back(
                     {.name = fmt::format("glow #{:02x}{:02x}{:02x}", color.r, color.g, color.b),
                      .base_color = glm::vec3(0),
-                     .emission = kGlow * to_linear(color)});
+                     .emission = kStageGlow * to_linear(color)});
             }
             indices.push_back(found->second);
         }
@@ -80,33 +77,6 @@ glm::dmat4 turn_of(const glm::dvec3& deg) {
     glm::dmat4 turn = glm::rotate(glm::dmat4(1), rad.y, glm::dvec3(0, 1, 0));
     turn = glm::rotate(turn, rad.x, glm::dvec3(1, 0, 0));
     return glm::rotate(turn, rad.z, glm::dvec3(0, 0, 1));
-}
-
-/// Where each copy of a mesh stands.
-std::vector<glm::dmat4> places_of(const SceneMesh& mesh) {
-    std::array<SceneRepeat, 3> rows;
-    for (std::size_t i = 0; i < mesh.repeat.size(); ++i) rows[i] = mesh.repeat[i];
-    const SceneScatter scatter = mesh.scatter.value_or(SceneScatter{});
-    Chance chance(static_cast<std::uint64_t>(scatter.seed));
-    std::vector<glm::dmat4> places;
-    for (int k = 0; k < rows[2].count; ++k) {
-        for (int j = 0; j < rows[1].count; ++j) {
-            for (int i = 0; i < rows[0].count; ++i) {
-                glm::dvec3 at = mesh.at_m + double(i) * rows[0].step_m +
-                                double(j) * rows[1].step_m + double(k) * rows[2].step_m;
-                glm::dvec3 turn = mesh.turn_deg;
-                if (mesh.scatter) {
-                    for (int axis = 0; axis < 3; ++axis) {
-                        at[axis] += scatter.by_m[axis] * chance.between(-1, 1);
-                    }
-                    turn.y += scatter.turn_deg * chance.between(-1, 1);
-                }
-                places.push_back(
-                    glm::scale(glm::translate(glm::dmat4(1), at) * turn_of(turn), mesh.scale));
-            }
-        }
-    }
-    return places;
 }
 
 /// Shapes that several objects have in common are made once.
@@ -159,6 +129,32 @@ class Workshop {
 
 }  // namespace
 
+std::vector<glm::dmat4> mesh_places(const SceneMesh& mesh) {
+    std::array<SceneRepeat, 3> rows;
+    for (std::size_t i = 0; i < mesh.repeat.size(); ++i) rows[i] = mesh.repeat[i];
+    const SceneScatter scatter = mesh.scatter.value_or(SceneScatter{});
+    Chance chance(static_cast<std::uint64_t>(scatter.seed));
+    std::vector<glm::dmat4> places;
+    for (int k = 0; k < rows[2].count; ++k) {
+        for (int j = 0; j < rows[1].count; ++j) {
+            for (int i = 0; i < rows[0].count; ++i) {
+                glm::dvec3 at = mesh.at_m + double(i) * rows[0].step_m +
+                                double(j) * rows[1].step_m + double(k) * rows[2].step_m;
+                glm::dvec3 turn = mesh.turn_deg;
+                if (mesh.scatter) {
+                    for (int axis = 0; axis < 3; ++axis) {
+                        at[axis] += scatter.by_m[axis] * chance.between(-1, 1);
+                    }
+                    turn.y += scatter.turn_deg * chance.between(-1, 1);
+                }
+                places.push_back(
+                    glm::scale(glm::translate(glm::dmat4(1), at) * turn_of(turn), mesh.scale));
+            }
+        }
+    }
+    return places;
+}
+
 Result<StageSet> make_stage(SceneFile file, const std::filesystem::path& folder) {
     StageSet stage;
     for (const SceneMaterial& material : file.materials) {
@@ -170,7 +166,7 @@ Result<StageSet> make_stage(SceneFile file, const std::filesystem::path& folder)
                                            ? 0
                                            : material_index(file, mesh.material);
         KINO_ASSIGN(const auto parts, workshop.parts(mesh.shape, mesh.size_m, mesh.file, material));
-        for (const glm::dmat4& place : places_of(mesh)) {
+        for (const glm::dmat4& place : mesh_places(mesh)) {
             for (StandingMesh part : parts) {
                 part.stage_from_object = place * part.stage_from_object;
                 stage.standing.push_back(std::move(part));
@@ -191,7 +187,10 @@ Result<StageSet> make_stage(SceneFile file, const std::filesystem::path& folder)
     for (const SceneSwarm& swarm : file.swarms) {
         stage.swarm_glow.push_back(swarm.bead_m > 0 ? glow.of(swarm.palette)
                                                     : std::vector<std::uint32_t>());
-        if (swarm.bead_m > 0 && !stage.bead) stage.bead = make_bead();
+        if (swarm.bead_m > 0 && !stage.bead) {
+            stage.bead = make_bead();
+            stage.spark = make_spark();
+        }
     }
     for (const SceneRole& role : file.roles) {
         const bool drawn = role.trail && role.trail->stroke_m > 0;

@@ -33,8 +33,12 @@ struct StageSet {
     /// Glowing materials for each swarm's and each role's trail palette.
     std::vector<std::vector<std::uint32_t>> swarm_glow, trail_glow;
     std::shared_ptr<const MeshAsset> bead;    ///< a ball of diameter 1
+    std::shared_ptr<const MeshAsset> spark;   ///< the same for small ones
     std::shared_ptr<const MeshAsset> stroke;  ///< a rod of diameter and length 1 along y
 };
+
+/// A glowing thing is brighter than white, so that it stays bright beside what it lights.
+inline constexpr float kStageGlow = 1.5f;
 
 /// `folder`: where the files named in it are. Fails for files that cannot be had, and for more
 /// materials than there may be.
@@ -42,6 +46,9 @@ struct StageSet {
 
 /// A bundled scene by its name, or a scene file.
 [[nodiscard]] Result<StageSet> open_stage(const std::string& name_or_file);
+
+/// Where each copy of a mesh stands: stage from object.
+[[nodiscard]] std::vector<glm::dmat4> mesh_places(const SceneMesh& mesh);
 
 /// Bits of Light::material_mask for names as in SceneLight::only.
 [[nodiscard]] std::uint32_t material_mask(const SceneFile& file,
