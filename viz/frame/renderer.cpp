@@ -140,7 +140,9 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                                        .shadows = options.ray_shadows,
                                        .bounces = options.bounces,
                                        .lod = options.lod,
-                                       .read_ids = options.read_surface});
+                                       .read_ids = options.read_surface,
+                                       .samples = options.samples,
+                                       .resolve = options.resolve});
         surface = stage.surface;
         picture = add_final_pass(graph, scene, stage.linear, picture);
     } else if (live) {

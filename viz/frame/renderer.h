@@ -42,6 +42,9 @@ struct FrameOptions {
     BounceOptions bounces;  ///< of spotlights that ask for one bounce
     /// Set: light is worked out on a coarser surface, where the scene is staged (stage.h).
     std::optional<FramebufferLodOptions> lod;
+    /// 4: scenes with meshes get smooth edges (multisampled_stage.h); not with lod. 1 costs nothing.
+    std::uint32_t samples = 1;
+    SampleResolve resolve = SampleResolve::as_shown;
     ZoomOptions zoom;  ///< the whole picture coarser, enlarged by copying; the overlay is not
     graph::Timing timing = graph::Timing::frame;
     /// Also copies the view depth under this pixel back (FrameStats::depth_at_m).

@@ -1,84 +1,15 @@
 #include "viz/frame/stage.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
+#include "viz/frame/multisampled_stage.h"
+#include "viz/frame/stage_surface.h"
 #include "viz/light/blended_pass.h"
 #include "viz/light/emission_pass.h"
-#include "viz/surface/depth_passes.h"
+#include "viz/light/forward_pass.h"
 
 namespace kino {
-namespace {
-
-using graph::FrameGraph;
-using graph::PassBuilder;
-using graph::PassContext;
-using graph::TextureId;
-using graph::Use;
-
-/// Nothing has an object id before meshes are drawn.
-TextureId add_no_objects(FrameGraph& graph, const View& view) {
-    TextureId object =
-        graph.create_texture("object", {static_cast<std::uint32_t>(view.width),
-                                        static_cast<std::uint32_t>(view.height), kObjectFormat});
-    graph.add_pass(
-        "frame/no objects", "raster",
-        [&](PassBuilder& b) { object = b.write(object, Use::color_attachment); },
-        [id = object](PassContext& c) {
-            const std::array<gpu::Target, 1> targets = {{{.view = c.view(id), .clear = true}}};
-            c.commands().begin_rendering({c.desc(id).width, c.desc(id).height}, targets, nullptr);
-            c.commands().end_rendering();
-        });
-    return object;
-}
-
-struct Drawn {
-    SurfaceTargets surface;
-    TextureId depth;  ///< invalid without meshes
-};
-
-/// Albedo, depth and normal of all that is opaque, and ids of what is wanted.
-Drawn add_surface(FrameGraph& graph, const Scene& scene, const View& view, const StageParts& parts,
-                  RasterPath raster, bool ids) {
-    const auto width = static_cast<std::uint32_t>(view.width);
-    const auto height = static_cast<std::uint32_t>(view.height);
-    const std::uint32_t top = pack_srgb(scene.background_top);
-    const std::uint32_t bottom = pack_srgb(scene.background_bottom);
-    Drawn made;
-    SurfaceTargets& surface = made.surface;
-    surface.albedo = graph.create_texture("albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM});
-    surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
-    surface.normal = graph.create_texture("normal", {width, height, kNormalFormat});
-    if (ids) surface.id = graph.create_texture("id", {width, height, kIdFormat});
-    surface = scene.live && scene.live->surface
-                  ? parts.live.add(graph, *scene.live, view, raster, surface, top, bottom)
-                  : add_background(graph, surface, top, bottom);
-    if (!scene.meshes.empty()) {
-        surface.object = add_no_objects(graph, view);
-        TextureId depth = graph.create_texture("depth", {width, height, kDepthFormat});
-        depth = add_depth_seed(graph, view, surface.view_z, depth);
-        const MeshDrawer::Drawn drawn = parts.meshes.add(graph, scene, view, surface, depth);
-        surface = drawn.targets;
-        made.depth = drawn.depth;
-    }
-    return made;
-}
-
-/// What the bouncing lights shine on, as lights.
-SpawnedLights add_bounces(FrameGraph& graph, const Scene& scene, const View& view,
-                          const StageParts& parts, const StageOptions& options) {
-    std::vector<ReflectiveMap> maps;
-    for (const std::size_t i : bouncing_lights(scene)) {
-        const View seen = reflective_view(scene.lights[i], options.bounces);
-        const Drawn drawn = add_surface(graph, scene, seen, parts, options.raster, false);
-        maps.push_back({.light = i, .view = seen, .surface = drawn.surface});
-    }
-    if (maps.empty()) return {};
-    return spawn_bounces(scene, view, std::move(maps), options.bounces);
-}
-
-}  // namespace
 
 std::uint32_t pack_srgb(const glm::vec3& color) {
     const auto byte = [](float v) {
@@ -93,10 +24,14 @@ bool wants_stage(const Scene& scene) {
            (wants_light_lists(scene) || !bouncing_lights(scene).empty());
 }
 
-Stage add_stage(FrameGraph& graph, const Scene& scene, const View& view, const StageParts& parts,
-                const StageOptions& options) {
+Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
+                const StageParts& parts, const StageOptions& options) {
+    if (wants_samples(scene, options)) {
+        return add_multisampled_stage(graph, scene, view, parts, options);
+    }
     Stage stage;
-    const Drawn drawn = add_surface(graph, scene, view, parts, options.raster, options.read_ids);
+    const DrawnSurface drawn =
+        add_surface(graph, scene, view, parts, options.raster, options.read_ids);
     stage.surface = drawn.surface;
     stage.depth = drawn.depth;
     const SurfaceTargets& surface = stage.surface;
@@ -107,8 +42,9 @@ Stage add_stage(FrameGraph& graph, const Scene& scene, const View& view, const S
     // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
     const bool emits_apart =
         options.lod && options.lod->fine_grained && surface.object.valid() && wants_emission(scene);
+    RayShadows shadows;
     const auto shade = [&](const SurfaceTargets& at, const View& seen_from) {
-        const RayShadows shadows =
+        shadows =
             add_ray_shadows(graph, scene, seen_from, {.view_z = at.view_z, .normal = at.normal},
                             stage.lists, bvh, options.shadows);
         return add_shade_pass(graph, scene, seen_from,
@@ -126,6 +62,15 @@ Stage add_stage(FrameGraph& graph, const Scene& scene, const View& view, const S
         }
     } else {
         stage.linear = shade(surface, view);
+    }
+    if ((opaque_kinds(scene) & kForwardKinds) != 0) {
+        MeshLight light = make_mesh_light(graph, scene, view, stage.lists);
+        // Masks of a coarse picture are of other pixels.
+        if (!options.lod) light.shadow_masks = shadows.masks;
+        const ForwardTargets drawn_over = add_forward_pass(
+            graph, scene, view, parts.meshes, light, kForwardKinds, {stage.linear, stage.depth});
+        stage.linear = drawn_over.linear;
+        stage.depth = drawn_over.depth;
     }
     if (wants_blended(scene)) {
         LightListOptions lists = options.lists;

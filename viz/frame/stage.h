@@ -6,6 +6,7 @@
 #include "viz/graph/graph.h"
 #include "viz/light/indirect.h"
 #include "viz/light/light_lists.h"
+#include "viz/light/multisample.h"
 #include "viz/light/ray_shadows.h"
 #include "viz/quality/framebuffer_lod.h"
 #include "viz/scene/scene.h"
@@ -27,6 +28,9 @@ struct StageOptions {
     BounceOptions bounces;
     std::optional<FramebufferLodOptions> lod;
     bool read_ids = false;  ///< the surface gets ids
+    /// 4: meshes are shaded forward with four samples a pixel (multisampled_stage.h); not with lod.
+    std::uint32_t samples = 1;
+    SampleResolve resolve = SampleResolve::as_shown;
 };
 
 /// What a staged picture was made from, for readers after it.

@@ -97,8 +97,8 @@ struct LobeRecord {
 };
 
 struct MaterialRecord {
-    vec3 diffuse;  // all Lambertian lobes together; times the base colour
-    uint first_lobe;
+    vec3 diffuse;     // all Lambertian lobes together; times the base colour
+    uint first_lobe;  // of a toon material, which has none: its steps
     vec3 emission;
     uint lobes;    // others than Lambertian
     vec3 ambient;  // all diffuse lobes together; times the base colour

@@ -40,6 +40,12 @@ void flatten(const Material& material, MaterialTable& table) {
         }
         reaching *= finite(layer.transmission);
     }
+    if (material.kind == MaterialKind::toon) {
+        // It has no lobes, and its record says so wherever else it is read.
+        table.lobes.resize(record.first_lobe);
+        record.first_lobe = std::max(material.steps, 1u);
+        record.lobes = 0;
+    }
     if (material.layers.empty()) record.diffuse = record.ambient = glm::vec3(1);
     table.materials.push_back(record);
 }

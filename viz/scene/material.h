@@ -32,6 +32,14 @@ struct MaterialLayer {
     glm::vec3 transmission{0};
 };
 
+/// Which shader lights a material. Each kind is a pipeline of its own over the same light lists,
+/// and exists only where a mesh shows it. Blended surfaces are always layered.
+enum class MaterialKind : std::uint8_t {
+    layered,  ///< the sum of its layers' lobes
+    toon,     ///< light counts in `steps`, outlines are dark; layers do not count
+    unlit     ///< base colour and emission, whatever shines on it
+};
+
 constexpr std::size_t kMaxLayers = 4;
 constexpr std::size_t kMaxLobes = 4;
 constexpr std::size_t kMaxMaterials = 32;  ///< one bit each in Light::material_mask
@@ -45,6 +53,8 @@ struct Material {
     glm::vec3 emission{0};                        ///< linear
     float opacity = 1;                            ///< below 1: blended, drawn after everything
     std::vector<MaterialLayer> layers;            ///< top first; empty: one Lambertian lobe
+    MaterialKind kind = MaterialKind::layered;
+    std::uint32_t steps = 3;  ///< toon: between dark and white, at least 1
 };
 
 }  // namespace kino

@@ -207,7 +207,7 @@ MeshList MeshDrawer::prepare(FrameGraph& graph, const Scene& scene, const View& 
         list.options.culling = MeshCulling::none;
     }
     if (scene.meshes.empty()) return list;
-    MeshTable table = make_mesh_table(scene, view, state_->pool, options.filter);
+    MeshTable table = make_mesh_table(scene, view, state_->pool, options.filter, options.kinds);
     list.refused = table.refused;
     const auto rows = static_cast<std::uint32_t>(table.rows.size());
     const bool on_device = list.options.submit == MeshSubmit::multi_draw &&

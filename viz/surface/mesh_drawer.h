@@ -46,6 +46,7 @@ enum class DrawIdCarrier : std::uint8_t {
 
 struct MeshListOptions {
     MeshFilter filter = MeshFilter::opaque;
+    std::uint32_t kinds = kAllKinds;  ///< bits 1 << MaterialKind
     MeshSubmit submit = MeshSubmit::multi_draw;
     MeshCulling culling = MeshCulling::zero_instance;
     DrawIdCarrier carrier = DrawIdCarrier::first_instance;

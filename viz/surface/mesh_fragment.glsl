@@ -10,9 +10,12 @@ layout(push_constant, scalar) uniform Push { MeshView view; };
 #endif
 layout(constant_id = 2) const uint kTextures = 0u;
 layout(binding = 4) uniform usamplerBuffer mesh_texels;
-layout(location = 0) in vec3 v_position;
-layout(location = 1) in vec3 v_normal;
-layout(location = 2) in vec2 v_uv;
+#ifndef KINO_MESH_INTERPOLATION
+#define KINO_MESH_INTERPOLATION  // `centroid` where a pixel has several samples
+#endif
+layout(location = 0) KINO_MESH_INTERPOLATION in vec3 v_position;
+layout(location = 1) KINO_MESH_INTERPOLATION in vec3 v_normal;
+layout(location = 2) KINO_MESH_INTERPOLATION in vec2 v_uv;
 layout(location = 3) flat in uvec4 v_draw;
 
 vec3 mesh_to_linear(vec3 c) {

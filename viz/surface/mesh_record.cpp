@@ -262,9 +262,9 @@ TextureId add_depth_seed(FrameGraph& graph, const View& view, TextureId view_z, 
             desc.depth_test = gpu::DepthTest::any_writes;
             const gpu::Target target{.view = c.view(depth), .clear = true};
             const graph::TextureDesc size = c.desc(depth);
+            desc.samples = size.samples;
             c.commands().begin_rendering({size.width, size.height}, {}, &target);
             if (c.bind(desc, {c.bound(view_z)})) {
-            desc.samples = size.samples;
                 c.commands().constants(shared::MeshView{.near_m = near_m});
                 c.commands().draw(3);
             }

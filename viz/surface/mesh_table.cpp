@@ -86,6 +86,10 @@ bool is_blended(const Scene& scene, const MeshNode& node) {
     return material_of(scene, node).opacity < 1;
 }
 
+MaterialKind kind_of(const Scene& scene, const MeshNode& node) {
+    return material_of(scene, node).kind;
+}
+
 double largest_stretch(const glm::dmat3& m) {
     // Largest eigenvalue of the symmetric m^T m by its characteristic polynomial (Smith 1961,
     // "Eigenvalues of a symmetric 3 x 3 matrix").
@@ -136,13 +140,14 @@ VkDrawIndexedIndirectCommand call_of(const shared::MeshDraw& draw, std::uint32_t
 }
 
 MeshTable make_mesh_table(const Scene& scene, const View& view, const MeshPool& pool,
-                          MeshFilter filter) {
+                          MeshFilter filter, std::uint32_t kinds) {
     MeshTable table;
     table.rows.reserve(scene.meshes.size());
     const glm::dmat4 from_world = view_from_world(view);
     const auto sides = side_planes(view);
     for (const MeshNode& node : scene.meshes) {
         if (is_blended(scene, node) != (filter == MeshFilter::blended)) continue;
+        if ((kinds >> static_cast<std::uint32_t>(kind_of(scene, node)) & 1u) == 0) continue;
         const PooledMesh* mesh = pool.find(node.mesh.get());
         if (mesh == nullptr) continue;
         const glm::dmat4 m = from_world * node.world_from_object;

@@ -18,6 +18,9 @@ enum class MeshFilter : std::uint8_t {
     blended  ///< below 1: farthest first (by the view depth of the bounding sphere's centre)
 };
 
+/// Every MaterialKind.
+constexpr std::uint32_t kAllKinds = ~0u;
+
 /// The draws of one view as the host makes them, before any culling.
 struct MeshTable {
     std::vector<shared::MeshDraw> rows;
@@ -31,10 +34,12 @@ struct MeshTable {
 
 /// World poses are composed with the view in double and handed over relative to the camera.
 /// Nodes without a mesh in the pool are left out.
+/// Of materials of the kinds whose bit (1 << MaterialKind) is set.
 [[nodiscard]] MeshTable make_mesh_table(const Scene& scene, const View& view, const MeshPool& pool,
-                                        MeshFilter filter);
+                                        MeshFilter filter, std::uint32_t kinds = kAllKinds);
 
 [[nodiscard]] bool is_blended(const Scene& scene, const MeshNode& node);
+[[nodiscard]] MaterialKind kind_of(const Scene& scene, const MeshNode& node);
 
 /// Largest factor by which `m` stretches any direction: its largest singular value, rounded up.
 [[nodiscard]] double largest_stretch(const glm::dmat3& m);
