@@ -191,17 +191,17 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
         }
     }
     if (skeleton) picture = add_skeleton(graph, view, picture, surface.view_z, *skeleton);
-    if (options.overlay) picture = options.overlay(graph, picture);
-    graph.require(picture);
     if (zooms) {
         KINO_ASSIGN(picture, zoom_.add(graph, picture, full, zoom));
     } else {
         zoom_.clear();
     }
+    if (options.overlay) picture = options.overlay(graph, picture);
+    graph.require(picture);
 
+    const VkExtent2D drawn{width, height};
     const std::uint64_t pixels = std::uint64_t{width} * height;
     if (options.read_picture) {
-    const VkExtent2D drawn{width, height};
         KINO_TRY(fit(device_, picture_readback_, "picture readback",
                      std::uint64_t{target.extent.width} * target.extent.height * 4));
         add_readback(graph, "frame/read picture", picture, {}, target.extent, picture_readback_);

@@ -102,13 +102,13 @@ class Renderer {
     [[nodiscard]] std::uint64_t live_depth_bytes() const { return rasterizer_.bytes(); }
     /// Bytes of the meshes that the last scene showed.
     [[nodiscard]] std::uint64_t mesh_bytes() const { return meshes_.bytes(); }
+    /// Bytes of mapped memory that zooming takes.
+    [[nodiscard]] std::uint64_t zoom_bytes() const { return zoom_.bytes(); }
     /// Bytes of the tree that rays are cast through.
     [[nodiscard]] std::uint64_t bvh_bytes() const { return bvh_.bytes(); }
     /// The last frame's graph, for documentation and debugging.
     [[nodiscard]] const std::string& graphviz() const { return graphviz_; }
     void keep_graphviz(bool keep) { keep_graphviz_ = keep; }
-    /// Bytes of mapped memory that zooming takes.
-    [[nodiscard]] std::uint64_t zoom_bytes() const { return zoom_.bytes(); }
 
   private:
     gpu::Device& device_;
@@ -117,12 +117,12 @@ class Renderer {
     DepthRasterizer rasterizer_;
     MeshDrawer meshes_;
     SceneBvh bvh_;
+    ZoomPass zoom_;
     gpu::Texture own_target_;
     gpu::Buffer picture_readback_;
     gpu::Buffer view_z_readback_;
     gpu::Buffer id_readback_;
     gpu::Buffer normal_readback_;
-    ZoomPass zoom_;
     gpu::Buffer probe_readback_;
     bool keep_graphviz_ = false;
     std::string graphviz_;
