@@ -28,7 +28,9 @@ Material material_of(const SceneMaterial& file) {
     Material material{.name = file.name,
                       .base_color = to_linear(file.color),
                       .emission = to_linear(file.color) * static_cast<float>(file.glow),
-                      .opacity = static_cast<float>(file.opacity)};
+                      .opacity = static_cast<float>(file.opacity),
+                      .kind = file.kind,
+                      .steps = static_cast<std::uint32_t>(file.steps)};
     for (const SceneLayer& of_file : file.layers) {
         MaterialLayer& layer = material.layers.emplace_back();
         layer.transmission = to_linear(of_file.transmission);

@@ -21,6 +21,10 @@ inline constexpr std::array<Word<LobeKind>, 4> kLobeKinds{{{"lambert", LobeKind:
                                                            {"oren_nayar", LobeKind::oren_nayar},
                                                            {"ggx", LobeKind::ggx},
                                                            {"rim", LobeKind::rim}}};
+inline constexpr std::array<Word<MaterialKind>, 3> kMaterialKinds{
+    {{"layered", MaterialKind::layered},
+     {"toon", MaterialKind::toon},
+     {"unlit", MaterialKind::unlit}}};
 inline constexpr std::array<Word<SceneShape>, 8> kShapes{{{"box", SceneShape::box},
                                                           {"sphere", SceneShape::sphere},
                                                           {"cylinder", SceneShape::cylinder},
@@ -82,6 +86,9 @@ void visit(V& v, SceneMaterial& s) {
     v.color("color", s.color, "base colour");
     v.number("glow", s.glow, 0, 100, "light of its own, in parts of its colour");
     v.number("opacity", s.opacity, 0, 1, "below 1 it is blended");
+    v.choice("kind", s.kind, kMaterialKinds,
+             "layered: by its layers; toon: light in steps, dark outlines; unlit: its colour");
+    v.integer("steps", s.steps, 1, 16, "toon: from dark to white");
     v.list("layers", s.layers, kMaxLayers, "top first; none: matt");
 }
 

@@ -45,6 +45,8 @@ struct SceneMaterial {
     SceneColor color{204, 204, 204};
     double glow = 0;  ///< light it sends out by itself, in parts of its colour
     double opacity = 1;
+    MaterialKind kind = MaterialKind::layered;
+    int steps = 3;                   ///< of a toon material
     std::vector<SceneLayer> layers;  ///< top first
     friend bool operator==(const SceneMaterial&, const SceneMaterial&) = default;
 };
