@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "viz/frame/multisampled_stage.h"
 #include "viz/frame/stage_surface.h"
@@ -36,7 +37,14 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     stage.depth = drawn.depth;
     const SurfaceTargets& surface = stage.surface;
     const SpawnedLights bounces = add_bounces(graph, scene, view, parts, options);
-    stage.lists = add_light_lists(graph, scene, view, surface.view_z, options.lists, bounces);
+    std::optional<CoarseSurface> coarse;
+    if (options.lod) coarse = add_coarse_surface(graph, surface, view, *options.lod);
+    // Fewer tiles where nobody walks the lists for finer pixels.
+    const bool coarse_lists = coarse && (opaque_kinds(scene) & kForwardKinds) == 0;
+    stage.lists = coarse_lists ? add_light_lists(graph, scene, coarse->view, coarse->surface.view_z,
+                                                 options.lists, bounces)
+                               : add_light_lists(graph, scene, view, surface.view_z, options.lists,
+                                                 bounces);
     SceneBvhPasses bvh;
     if (wants_ray_shadows(scene)) bvh = parts.bvh.add(graph);
     // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
@@ -53,9 +61,8 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                .shadow_masks = shadows.masks,
                                .emission = !emits_apart});
     };
-    if (options.lod) {
-        const CoarseSurface coarse = add_coarse_surface(graph, surface, view, *options.lod);
-        stage.linear = add_reconstruction(graph, shade(coarse.surface, coarse.view), coarse,
+    if (coarse) {
+        stage.linear = add_reconstruction(graph, shade(coarse->surface, coarse->view), *coarse,
                                           surface, view, *options.lod);
         if (emits_apart) {
             stage.linear = add_emission_pass(graph, scene, surface.object, stage.linear);

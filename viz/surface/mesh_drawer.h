@@ -152,8 +152,9 @@ class MeshDrawer {
 };
 
 /// Fills `depth` (kDepthFormat) with the depths of `view_z`, 0 where nothing is: what mesh passes
-/// test against. Writes every pixel.
+/// test against. Writes every pixel. `within`, where it has an area: `view_z` is nothing outside.
 [[nodiscard]] graph::TextureId add_depth_seed(graph::FrameGraph& graph, const View& view,
-                                              graph::TextureId view_z, graph::TextureId depth);
+                                              graph::TextureId view_z, graph::TextureId depth,
+                                              VkRect2D within = {});
 
 }  // namespace kino

@@ -13,5 +13,5 @@ void main() {
     place_vertex(a_position, a_normal, a_uv, texelFetch(draw_rows, at),
                  texelFetch(draw_rows, at + 1), texelFetch(draw_rows, at + 2),
                  texelFetch(draw_rows, at + 3), texelFetch(draw_rows, at + 4),
-                 texelFetch(draw_rows, at + 5), uint(gl_InstanceIndex));
+                 texelFetch(draw_rows, at + 5));
 }

@@ -4,6 +4,7 @@
 //     layout(push_constant, scalar) uniform Push { MeshView view; Own own; };
 // and does so before this file, with KINO_MESH_OWN_PUSH defined.
 #include "viz/surface/mesh_shared.h"
+#include "viz/surface/mesh_color.glsl"
 #include "viz/surface/octahedral.glsl"
 #ifndef KINO_MESH_OWN_PUSH
 layout(push_constant, scalar) uniform Push { MeshView view; };
@@ -17,15 +18,6 @@ layout(location = 0) KINO_MESH_INTERPOLATION in vec3 v_position;
 layout(location = 1) KINO_MESH_INTERPOLATION in vec3 v_normal;
 layout(location = 2) KINO_MESH_INTERPOLATION in vec2 v_uv;
 layout(location = 3) flat in uvec4 v_draw;
-
-vec3 mesh_to_linear(vec3 c) {
-    return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, lessThanEqual(c, vec3(0.04045)));
-}
-vec3 mesh_to_srgb(vec3 c) {
-    c = max(c, vec3(0.0));
-    return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, c * 12.92,
-               lessThanEqual(c, vec3(0.0031308)));
-}
 
 vec4 mesh_texel(int first, ivec2 at, ivec2 size) {
     return unpackUnorm4x8(texelFetch(mesh_texels, first + at.y * size.x + at.x).x);
@@ -66,6 +58,11 @@ vec3 mesh_base_color() {
         color *= number != 0u ? mesh_to_linear(coded) : vec3(1.0);
     }
     return color;
+}
+
+// The same as an 8-bit picture has it; where nothing is textured, from the vertex shader.
+vec3 mesh_albedo() {
+    return kTextures != 0u ? mesh_to_srgb(mesh_base_color()) : unpackUnorm4x8(v_draw.w).rgb;
 }
 
 // Unit, view space, of the side that is seen.

@@ -25,10 +25,10 @@ void main() {
     uvec4 head = draw_texel(row, 7);
     PulledVertex v = pull_vertex(head.x, head.y, uint(gl_VertexIndex));
     place_vertex(v.position, v.normal, v.uv, draw_texel(row, 0), draw_texel(row, 1),
-                 draw_texel(row, 2), draw_texel(row, 3), draw_texel(row, 4), draw_texel(row, 5),
-                 row);
+                 draw_texel(row, 2), draw_texel(row, 3), draw_texel(row, 4), draw_texel(row, 5));
     if ((kFormats & (1u << KINO_FORMAT_CLOUD)) != 0u) {
         vec3 base = vec3(unpackHalf2x16(v_draw.y), unpackHalf2x16(v_draw.z).x) * v.color;
+        v_draw.w = packed_srgb(base);
         v_draw.y = packHalf2x16(base.xy);
         v_draw.z = (v_draw.z & 0xFFFF0000u) | packHalf2x16(vec2(base.z, 0.0));
     }

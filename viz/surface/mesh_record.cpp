@@ -243,7 +243,8 @@ MeshDrawer::Drawn MeshDrawer::add(FrameGraph& graph, const MeshList& list, Surfa
     return {targets, depth};
 }
 
-TextureId add_depth_seed(FrameGraph& graph, const View& view, TextureId view_z, TextureId depth) {
+TextureId add_depth_seed(FrameGraph& graph, const View& view, TextureId view_z, TextureId depth,
+                         VkRect2D within) {
     TextureId made;
     graph.add_pass(
         "meshes/seed depth", "meshes",
@@ -251,7 +252,8 @@ TextureId add_depth_seed(FrameGraph& graph, const View& view, TextureId view_z, 
             b.read(view_z, Use::fragment_read);
             made = b.write(depth, Use::depth_attachment);
         },
-        [view_z, depth, near_m = static_cast<float>(view.projection.near_m)](PassContext& c) {
+        [view_z, depth, within,
+         near_m = static_cast<float>(view.projection.near_m)](PassContext& c) {
             gpu::PipelineDesc desc;
             desc.name = "meshes/seed depth";
             desc.vertex = kSeedVertex;
@@ -266,6 +268,7 @@ TextureId add_depth_seed(FrameGraph& graph, const View& view, TextureId view_z, 
             c.commands().begin_rendering({size.width, size.height}, {}, &target);
             if (c.bind(desc, {c.bound(view_z)})) {
                 c.commands().constants(shared::MeshView{.near_m = near_m});
+                if (within.extent.width > 0) c.commands().scissor(within);
                 c.commands().draw(3);
             }
             c.commands().end_rendering();

@@ -12,7 +12,7 @@ layout(location = 3) out uint out_object;
 #endif
 
 void main() {
-    out_albedo = vec4(mesh_to_srgb(mesh_base_color()), 1.0);
+    out_albedo = vec4(mesh_albedo(), 1.0);
     out_view_z = mesh_position().z;
     out_normal = to_octahedral(mesh_normal());
 #ifndef KINO_WITHOUT_ID

@@ -1,15 +1,19 @@
 // What every vertex shader of meshes hands on, in one place, so that positions are the same bits
 // whichever way a vertex came in.
+#include "viz/surface/mesh_color.glsl"
 #include "viz/surface/mesh_shared.h"
 layout(push_constant, scalar) uniform Push { MeshView view; };
 layout(location = 0) out vec3 v_position;    // view space, metres
 layout(location = 1) out vec3 v_normal;      // view space, unit at the corners
 layout(location = 2) out vec2 v_uv;
-layout(location = 3) flat out uvec4 v_draw;  // object, colour rg, colour b + texture, row
+layout(location = 3) flat out uvec4 v_draw;  // object, colour rg, colour b + texture, sRGB
 invariant gl_Position;
 
+// A draw's base colour, linear, as 8 bits of sRGB: once a vertex instead of once a pixel.
+uint packed_srgb(vec3 base) { return packUnorm4x8(vec4(mesh_to_srgb(base), 1.0)); }
+
 void place_vertex(vec3 position, vec3 normal, vec2 uv, uvec4 x, uvec4 y, uvec4 z, uvec4 nx,
-                  uvec4 ny, uvec4 nz, uint row) {
+                  uvec4 ny, uvec4 nz) {
     vec4 rx = uintBitsToFloat(x);
     vec4 ry = uintBitsToFloat(y);
     vec4 rz = uintBitsToFloat(z);
@@ -24,7 +28,8 @@ void place_vertex(vec3 position, vec3 normal, vec2 uv, uvec4 x, uvec4 y, uvec4 z
     float squared = dot(n, n);
     v_normal = squared > 0.0 ? n * inversesqrt(squared) : normal;
     v_uv = uv;
-    v_draw = uvec4(nx.w, ny.w, nz.w, row);
+    v_draw = uvec4(nx.w, ny.w, nz.w,
+                   packed_srgb(vec3(unpackHalf2x16(ny.w), unpackHalf2x16(nz.w).x)));
     // Reversed depth without a far plane: near -> 1, infinity -> 0.
     vec2 size = vec2(view.target);
     precise vec4 clip;
