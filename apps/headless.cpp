@@ -16,7 +16,10 @@
 #include "apps/pipeline/stepper.h"
 #include "apps/stage_source.h"
 #include "apps/summary.h"
+#include "apps/viewer/budget_log.h"
+#include "apps/viewer/frame_budget.h"
 #include "apps/viewer/scene_builder.h"
+#include "apps/viewer/true_error.h"
 #include "sensor/png_io.h"
 #include "viz/frame/renderer.h"
 #include "viz/output/video_writer.h"
@@ -30,6 +33,8 @@ constexpr int kDefaultWidth = 1280;
 constexpr int kDefaultHeight = 720;
 /// A short recording is shown this long, so that a video of it can be looked at.
 constexpr TimeNs kLeastLength = 4 * kNsPerSecond;
+
+constexpr std::int64_t kTrueErrorEvery = 30;
 
 /// A stepper waits a second for a device; this often at most.
 constexpr int kDeviceWaits = 10;
@@ -70,7 +75,7 @@ bool keeps_picture(std::int64_t i, std::int64_t frames, std::int64_t most) {
 class HeadlessRun {
   public:
     HeadlessRun(const ReplayOptions& options, gpu::Device& device, Summary& summary)
-        : options_(options), renderer_(device), summary_(summary) {}
+        : options_(options), renderer_(device), summary_(summary), budget_(options.budget()) {}
 
     /// Fails where the scene of the options cannot be had.
     Result<void> set_stage();
@@ -86,6 +91,7 @@ class HeadlessRun {
     Summary& summary_;
     SceneBuilder builder_;
     CameraControl camera_;
+    FrameBudget budget_;
     double last_time_s_ = 0;
     std::optional<VideoWriter> video_;
     bool video_tried_ = false;
@@ -115,11 +121,16 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
     frame_options.read_picture = true;
-    if (options_.lod > 1) frame_options.lod = FramebufferLodOptions{.r = options_.lod};
     SourceSummary& source = summary_.sources.back();
     source.color = builder_.color_mode(draw);
     const Scene& scene = builder_.scene(draw);
     if (director != nullptr) source.stage = {director->local_lights(), scene.meshes.size()};
+    budget_.begin_frame(scene, view, frame_options);
+    if (source.true_error && source.frames % kTrueErrorEvery == 0) {
+        KINO_ASSIGN(const TrueError error,
+                    measure_true_error(renderer_, scene, view, frame_options));
+        source.true_error->add(error);
+    }
     return renderer_.render_to_image(scene, view, frame_options);
 }
 
@@ -164,6 +175,14 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
     source.info = stepper.opened().source->info();
     source.loop = stepper.opened().mode;
     source.pictures_hash = kHashStart;
+    if (options_.true_error) source.true_error.emplace();
+    // Each source is a run of its own. Levels must not depend on the clock.
+    budget_ = FrameBudget(options_.budget());
+    if (options_.lod_auto) budget_.set_mode(GovernorMode::off);
+    if (!options_.lod_log.empty()) {
+        KINO_ASSIGN(auto log, read_budget_log(options_.lod_log));
+        budget_.replay(std::move(log));
+    }
     builder_.reset();
     last_time_s_ = 0;
     renderer_.cut();
@@ -222,6 +241,7 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
         source.device_bytes = renderer_.device().memory().current;
         source.points = (*frame)->valid_points;
         source.bodies.add(**frame);
+        source.levels = budget_.log();
         ++source.frames;
         shown += duration;
         if (options_.verbose) {

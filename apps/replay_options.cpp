@@ -45,6 +45,17 @@ const char* loop_name(LoopMode mode) {
     return "unknown";
 }
 
+FrameBudgetOptions ReplayOptions::budget() const {
+    FrameBudgetOptions options{.target_ms = target_ms, .lod = lod, .zoom = zoom.value_or(1)};
+    if (lod_auto) {
+        options.mode = GovernorMode::automatic;
+        options.most_zoom = zoom.value_or(options.most_zoom);
+    } else if (options.lod > 1 || options.zoom > 1) {
+        options.mode = GovernorMode::fixed;
+    }
+    return options;
+}
+
 bool wants_validation() {
     const char* wanted = std::getenv("KINO_VALIDATION");
     if (wanted != nullptr) return std::string_view(wanted) == "1";

@@ -8,6 +8,7 @@
 
 #include "apps/pipeline/body_stage.h"
 #include "apps/viewer/camera_control.h"
+#include "apps/viewer/frame_budget.h"
 #include "sensor/playback.h"
 #include "sensor/session/recorder.h"
 #include "viz/scene/scene.h"
@@ -33,9 +34,13 @@ struct ReplayOptions {
     std::string scene;          ///< a bundled scene's name or a scene file; empty: none
     /// A scene's roles follow joints, so people are looked for unless --bodies said otherwise.
     [[nodiscard]] bool wants_people() const { return !scene.empty() && !bodies_asked; }
-    double lod = 1;         ///< framebuffer LOD of scenes: resizing factor; 1: off
-    bool lod_auto = false;  ///< or as the frame time asks for
+    double lod = 1;                 ///< framebuffer LOD of scenes: resizing factor; 1: off
+    bool lod_auto = false;          ///< or as the frame time asks for
+    std::filesystem::path lod_log;  ///< or as in the run that this file tells of; empty: not
+    std::optional<int> zoom;        ///< whole pictures so much coarser; lod_auto: at most
     double target_ms = 1000.0 / 30;
+    bool true_error = false;  ///< compare some pictures with the same ones in full
+    [[nodiscard]] FrameBudgetOptions budget() const;
     std::filesystem::path record;  ///< live: a session that is written from the start
     SessionCodec codec = SessionCodec::ffv1;
     std::filesystem::path headless;  ///< empty: a window

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "apps/viewer/budget_log.h"
 #include "skeleton/gestures/gesture_json.h"
 
 namespace kino {
@@ -36,6 +39,14 @@ Json bodies_json(const BodySummary& bodies) {
     return {{"frames_with_people", frames}, {"ids", bodies.ids}, {"gestures", gestures}};
 }
 
+Json true_error_json(const TrueErrorSummary& error) {
+    return {{"pictures", error.pictures},
+            {"mean_flip", error.mean_flip},
+            {"worst_flip", error.worst_flip},
+            {"worst_psnr_db", error.worst_psnr_db},
+            {"worst_failed_pixels", error.worst_failed_pixels}};
+}
+
 Json deterministic_json(const SourceSummary& s) {
     Json streams = Json::array();
     for (const StreamInfo& stream : s.info.streams) {
@@ -61,6 +72,8 @@ Json deterministic_json(const SourceSummary& s) {
             {"pictures_fnv1a", fmt::format("{:016x}", s.pictures_hash)},
             {"stage",
              s.stage ? Json{{"lights", s.stage->lights}, {"meshes", s.stage->meshes}} : Json()},
+            {"levels", budget_log_json(s.levels)},
+            {"true_error", s.true_error ? true_error_json(*s.true_error) : Json()},
             {"passes", s.passes},
             {"device_bytes", s.device_bytes}};
 }
@@ -87,6 +100,16 @@ Json timing_json(const SourceSummary& s) {
 }
 
 }  // namespace
+
+void TrueErrorSummary::add(const TrueError& error) {
+    ++pictures;
+    mean_flip += (error.flip - mean_flip) / static_cast<double>(pictures);
+    worst_flip = std::max(worst_flip, error.flip);
+    if (std::isfinite(error.psnr_db)) {
+        worst_psnr_db = worst_psnr_db > 0 ? std::min(worst_psnr_db, error.psnr_db) : error.psnr_db;
+    }
+    worst_failed_pixels = std::max(worst_failed_pixels, error.failed_pixels);
+}
 
 void BodySummary::add(const ProcessedFrame& frame) {
     for (const GestureEvent& event : frame.gestures) gestures.push_back({frame.set.index, event});
@@ -164,6 +187,13 @@ std::string to_text(const Summary& summary) {
         if (s.stage) {
             text += fmt::format("  scene {}: {} lights, {} meshes at the end\n",
                                 summary.options.scene, s.stage->lights, s.stage->meshes);
+        }
+        if (s.true_error && s.true_error->pictures > 0) {
+            text += fmt::format(
+                "  against full shading, {} pictures: mean FLIP {:.4f}, worst {:.4f}, worst PSNR "
+                "{:.1f} dB\n",
+                s.true_error->pictures, s.true_error->mean_flip, s.true_error->worst_flip,
+                s.true_error->worst_psnr_db);
         }
         for (const BodySummary::Seen& seen : s.bodies.gestures) {
             if (seen.event.phase == GesturePhase::change) continue;

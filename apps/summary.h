@@ -12,6 +12,8 @@
 #include "apps/pipeline/processed_frame.h"
 #include "apps/pipeline/time_series.h"
 #include "apps/replay_options.h"
+#include "apps/viewer/frame_budget.h"
+#include "apps/viewer/true_error.h"
 #include "sensor/source.h"
 #include "viz/gpu/device.h"
 
@@ -37,6 +39,16 @@ struct StageSummary {
     std::size_t meshes = 0;
 };
 
+/// What drawing below full quality lost, over the pictures that were compared.
+struct TrueErrorSummary {
+    std::int64_t pictures = 0;
+    double mean_flip = 0, worst_flip = 0;
+    double worst_psnr_db = 0;  ///< of pictures that differ at all; 0: none did
+    double worst_failed_pixels = 0;
+
+    void add(const TrueError& error);
+};
+
 /// What is known about one source at the end of a headless run.
 struct SourceSummary {
     // The same in every stepped run on the same device:
@@ -52,6 +64,8 @@ struct SourceSummary {
     std::string first_error;
     BodySummary bodies;
     std::optional<StageSummary> stage;  ///< empty: none was asked for
+    std::vector<FrameBudget::Logged> levels;
+    std::optional<TrueErrorSummary> true_error;  ///< empty: nobody asked
     // Different every time; `arrive` is from the sensor to here, of devices only:
     TimeSeries arrive;
     TimeSeries read, color_conversion, filter, registration, render, render_device, write;

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "apps/interrupt.h"
 #include "apps/sources.h"
 #include "apps/stage/bundled.h"
+#include "apps/viewer/budget_log.h"
 #include "apps/viewer/keys.h"
 #include "apps/window/window_replay.h"
 #include "sensor/filters/depth_filter_chain.h"
@@ -46,6 +48,13 @@ std::string check_number(const std::string& word, double least, double most) {
     const bool is_number = CLI::detail::lexical_cast(word, value);
     if (is_number && value >= least && value <= most) return {};
     return fmt::format("{} is not a number from {} to {}", word, least, most);
+}
+
+/// Of --lod: a run's summary, where it is nothing else.
+bool names_log(const std::string& word) {
+    std::error_code error;
+    return word != "auto" && word != "off" && !check_number(word, 1, 8).empty() &&
+           std::filesystem::is_regular_file(word, error);
 }
 
 template <class Value>
@@ -98,15 +107,27 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
            "--lod",
            [options](const std::string& word) {
                options->lod_auto = word == "auto";
-               options->lod = word == "auto" || word == "off" ? 1 : std::stod(word);
+               options->lod_log = names_log(word) ? word : "";
+               const bool number = word != "auto" && word != "off" && !names_log(word);
+               options->lod = number ? std::stod(word) : 1;
            },
            "with --scene: light on a picture R times coarser, brought back along edges; auto: as "
-           "--target-ms asks for (in a window)")
+           "--target-ms asks for, with --zoom where that does not do (in a window; headless: in "
+           "full); FILE: as in the run that wrote this summary.json")
         ->check([](const std::string& word) {
             if (word == "off" || word == "auto") return std::string();
-            return check_number(word, 1, 8);
+            if (!names_log(word)) return check_number(word, 1, 8);
+            const auto log = read_budget_log(word);
+            return log ? std::string() : log.error().to_string();
         })
-        ->type_name("off|auto|R");
+        ->type_name("off|auto|R|FILE");
+    app.add_option("--zoom", options->zoom,
+                   "whole pictures Z times coarser, enlarged by copying, 1 to 8; with --lod auto: "
+                   "at most, default 2")
+        ->check(CLI::Range(1, kMaxZoom))
+        ->type_name("Z");
+    app.add_flag("--true-error", options->true_error,
+                 "compare a picture in thirty with the same one in full: PSNR and FLIP");
     app.add_option("--target-ms", options->target_ms, "time of a picture that --lod auto holds")
         ->check([](const std::string& word) { return check_number(word, 1, 1000); })
         ->type_name("T");

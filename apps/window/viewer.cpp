@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "apps/interrupt.h"
+#include "apps/viewer/budget_log.h"
 #include "apps/viewer/ply.h"
 #include "sensor/png_io.h"
 
@@ -22,14 +23,6 @@ constexpr TimeNs kLookForFrame = 2 * kNsPerMs;
 constexpr TimeNs kMessageTime = 4 * kNsPerSecond;
 /// With several recordings, each is shown at least this long before the next.
 constexpr TimeNs kLeastShown = 10 * kNsPerSecond;
-
-/// Means over the last second or so.
-void smooth_rate(double& rate, TimeNs since_last) {
-    if (since_last <= 0) return;
-    const double now = 1 / to_seconds(since_last);
-    const double part = rate == 0 ? 1 : std::min(1.0, 2 * to_seconds(since_last));
-    rate += part * (now - rate);
-}
 
 /// "kinoscope-NNN.png" that is not there yet.
 std::filesystem::path fresh_file(const char* extension) {
@@ -52,8 +45,8 @@ Viewer::Viewer(const ReplayOptions& options, const Settings& settings, Window& w
       renderer_(device),
       panes_(ui),
       settings_(settings),
-      // Coarse steps: every size has memory of its own.
-      resizing_({.target_ms = options.target_ms, .quantum = 1.0 / 8}) {
+      budget_(options.budget()) {
+    accuracy_.want_true_error(options.true_error);
     draw_options_ = {
         .style = settings.style, .splat_px = settings.splat_px, .color = options.color};
     camera_.kind = settings.view;
@@ -100,6 +93,7 @@ Result<void> Viewer::open(std::size_t index) {
     opened_at_ = now_ns();
     frames_per_s_ = 0;
     renderer_.cut();
+    scene_cut_ = true;
     window_.set_title(fmt::format("{} - Kinoscope", playing_->info().name));
     return {};
 }
@@ -346,92 +340,13 @@ void Viewer::hear_source() {
     }
 }
 
-void Viewer::draw_panels(const WindowInput& input) {
-    if (settings_.show_overlay && !help_) draw_overlay(overlay_text());
-    // In a small window the picture matters more.
-    if (settings_.show_panes && !help_ && view_.width >= 760) draw_panes(panes_);
-    LiveRunner& runner = playing_->runner();
-    const LiveStatus status = runner.status();
-    const TimelineRequest request =
-        draw_timeline(status, playing_->time_of(status.position),
-                      status.frame_count > 0 ? playing_->time_of(status.frame_count - 1) : 0);
-    if (request.seek) runner.seek(*request.seek);
-    if (request.toggle_pause) act_on_playing(Action::pause);
-    if (frame_ && !help_) draw_body_labels(*frame_, view_);
-    gesture_lines_.draw(now_ns());
-    draw_measure(measure_, view_, measuring_);
-    if (last_.depth_at_m && probed_) draw_cursor_depth(input.cursor_px, *last_.depth_at_m);
-    if (show_controls_ && desk_) draw_controls(*desk_);
-    if (!status.present) draw_banner("the device is gone; plugged in again, it goes on by itself");
-    if (!message_.empty() && now_ns() < message_until_) draw_message(message_);
-    if (help_) help_ = draw_help();
-}
-
-Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
-    const TimeNs began = now_ns();
-    KINO_ASSIGN(const std::optional<PictureTarget> target, window_.begin_picture());
-    if (!target) return {};
-    const Pose world_from_depth = frame_ ? frame_->set.world_from_depth : world_from_camera_axes();
-    camera_.orbit.set_time(to_seconds(now - started_));
-    view_ = camera_.view(playing_->rig().depth, world_from_depth,
-                         static_cast<int>(target->extent.width),
-                         static_cast<int>(target->extent.height));
-    if (std::exchange(screenshot_wanted_, false)) take_screenshot();
-    context_.begin_frame();
-    draw_panels(input);
-    ImDrawData& lists = context_.end_frame();
-
-    FrameOptions options;
-    options.raster = options_.raster;
-    options.timing = settings_.show_overlay ? graph::Timing::one_group : graph::Timing::frame;
-    probed_.reset();
-    const glm::ivec2 cursor(input.cursor_px);
-    if (!context_.wants_mouse() && cursor.x >= 0 && cursor.y >= 0 && cursor.x < view_.width &&
-        cursor.y < view_.height) {
-        probed_ = options.probe_px = cursor;
-    }
-    options.overlay = [&](graph::FrameGraph& graph, graph::TextureId picture) {
-        auto drawn = ui_.add(graph, picture, lists);
-        if (drawn) return *drawn;
-        ui_error_ = drawn.error();
-        return picture;
-    };
-    // Between pictures as the clock says; stepped, as the recording does; held while it pauses.
-    const LiveStatus status = playing_->runner().status();
-    const double shown_s = playing_->is_stepped() ? to_seconds(playing_->time_of(status.position))
-                                                  : to_seconds(now - started_);
-    const double passed_s = shown_s - std::exchange(stage_time_s_, shown_s);
-    builder_.advance(status.paused ? 0 : passed_s);
-    const glm::ivec2 size(view_.width, view_.height);
-    const bool resized = std::exchange(lod_size_, size) != size;
-    lod_r_ = options_.lod_auto ? resizing_.begin_frame() : options_.lod;
-    if (lod_r_ > 1) options.lod = FramebufferLodOptions{.r = lod_r_};
-    KINO_ASSIGN(last_, renderer_.render(builder_.scene(draw_options_), view_, *target, options));
-    if (ui_error_) return fail(*std::exchange(ui_error_, std::nullopt));
-    if (options_.lod_auto) {
-        // Before three pictures are through, pipelines are still being made.
-        resizing_.frame_took(last_.ms, pictures_ < 3 || resized);
-    }
-    KINO_TRY(window_.present());
-    ++pictures_;
-    if (frame_) {
-        const TimeNs presented = now_ns();
-        picture_times_.add(presented - began);
-        if (std::exchange(frame_is_fresh_, false)) {
-            latency_ = latency_of(*frame_, playing_->is_device(), began, presented);
-            latencies_.add(latency_);
-        }
-        if (first_picture_after_ == 0) first_picture_after_ = now_ns() - started_;
-    }
-    playing_->picture_shown();
-    if (last_picture_ != 0) smooth_rate(pictures_per_s_, now_ns() - last_picture_);
-    last_picture_ = now_ns();
-    return {};
-}
-
 Result<void> Viewer::run(const std::string& note) {
     started_ = now_ns();
     if (!note.empty()) say(note);
+    if (!options_.lod_log.empty()) {
+        KINO_ASSIGN(auto log, read_budget_log(options_.lod_log));
+        budget_.replay(std::move(log));
+    }
     if (!options_.scene.empty()) {
         KINO_ASSIGN(StageSet stage, open_stage(options_.scene));
         const SceneLive& live = stage.file.live;

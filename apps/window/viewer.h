@@ -13,15 +13,18 @@
 #include "apps/viewer/measure.h"
 #include "apps/viewer/scene_builder.h"
 #include "apps/viewer/settings.h"
+#include "apps/window/accuracy_strip.h"
 #include "apps/window/panels.h"
 #include "apps/window/playing.h"
 #include "apps/window/steering.h"
 #include "calibration/live_alignment.h"
 #include "viz/output/ui/ui_context.h"
 #include "viz/output/window.h"
-#include "viz/quality/governor/resize_controller.h"
 
 namespace kino {
+
+/// Moves `rate`, 1/s, to the mean of the last second or so.
+void smooth_rate(double& rate, TimeNs since_last);
 
 /// The window's loop: takes the newest frame, steers the camera, draws the picture and the user
 /// interface over it.
@@ -39,6 +42,8 @@ class Viewer {
     /// From run() to the first picture with a frame in it; 0: there was none.
     [[nodiscard]] TimeNs first_picture_after() const { return first_picture_after_; }
     [[nodiscard]] const LatencyLog& latencies() const { return latencies_; }
+    /// How accurately pictures were drawn.
+    [[nodiscard]] const FrameBudget& budget() const { return budget_; }
 
   private:
     Result<void> open(std::size_t index);
@@ -49,6 +54,8 @@ class Viewer {
     void act_on_look(Action action);
     void act_on_input(const WindowInput& input, double dt_s);
     Result<void> draw(const WindowInput& input, TimeNs now);
+    [[nodiscard]] FrameOptions picture_options(const WindowInput& input, ImDrawData& lists);
+    Result<void> render(const PictureTarget& target, FrameOptions& options);
     void draw_panels(const WindowInput& input);
     [[nodiscard]] OverlayText overlay_text();
     void start_recording(const std::filesystem::path& file);
@@ -92,9 +99,10 @@ class Viewer {
 
     View view_;
     FrameResult last_;
-    ResizeController resizing_;  ///< --lod auto
-    double lod_r_ = 1;           ///< of the last picture
-    glm::ivec2 lod_size_{0};     ///< which picture size resizing_ knows
+    FrameBudget budget_;
+    AccuracyStrip accuracy_;
+    bool scene_cut_ = true;  ///< the next picture's time says nothing
+    glm::ivec2 last_size_{0};
     TimeNs started_ = 0;
     std::int64_t pictures_ = 0;
     TimeSeries picture_times_;

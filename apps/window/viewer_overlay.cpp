@@ -60,7 +60,7 @@ OverlayText Viewer::overlay_text() {
     text.mode =
         fmt::format("{}, {} view, {} colour", style_name(draw_options_.style),
                     view_name(camera_.kind), color_name(builder_.color_mode(draw_options_)));
-    if (lod_r_ > 1) text.mode += fmt::format(", light at 1/{:.2f}", lod_r_);
+    for (const std::string& level : budget_.choice().levels) text.mode += ", " + level;
     return text;
 }
 

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "apps/exit_codes.h"
+#include "apps/viewer/budget_log.h"
 #include "apps/viewer/settings.h"
 #include "apps/window/viewer.h"
 #include "viz/output/ui/ui_context.h"
@@ -37,12 +39,13 @@ void tell_times(const Viewer& viewer, bool json) {
     const char* format =
         json ? "{{\"pictures\": {}, \"ms_median\": {:.2f}, \"ms_p95\": {:.2f}, "
                "\"ms_p99\": {:.2f}, \"ms_max\": {:.2f}, \"share_within_33_ms\": {:.4f}, "
-               "\"first_picture_ms\": {:.0f}, {}}}\n"
+               "\"first_picture_ms\": {:.0f}, {}, \"levels\": {}}}\n"
              : "{} pictures; ms each: median {:.1f}, 95 % {:.1f}, 99 % {:.1f}, longest {:.1f}; "
                "share within 33 ms {:.3f}; first after {:.0f} ms\n";
     fmt::print(fmt::runtime(format), times.count(), times.median_ms(), times.p95_ms(),
                times.quantile_ms(0.99), times.quantile_ms(1), times.share_within(kSensorFrame),
-               to_ms(viewer.first_picture_after()), viewer.latencies().to_json_members());
+               to_ms(viewer.first_picture_after()), viewer.latencies().to_json_members(),
+               budget_log_json(viewer.budget().log()).dump());
     if (!json) fmt::print("{}\n", viewer.latencies().to_text());
 }
 
