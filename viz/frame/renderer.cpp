@@ -144,7 +144,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                                        .samples = options.samples,
                                        .resolve = options.resolve});
         surface = stage.surface;
-        picture = add_final_pass(graph, scene, stage.linear, picture);
+        picture = add_final_pass(graph, scene, stage.linear, picture, stage.emitting);
     } else if (live) {
         // Without light the surface's colour is the picture, so it is drawn straight into it.
         surface.albedo =

@@ -41,10 +41,10 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     if (options.lod) coarse = add_coarse_surface(graph, surface, view, *options.lod);
     // Fewer tiles where nobody walks the lists for finer pixels.
     const bool coarse_lists = coarse && (opaque_kinds(scene) & kForwardKinds) == 0;
-    stage.lists = coarse_lists ? add_light_lists(graph, scene, coarse->view, coarse->surface.view_z,
-                                                 options.lists, bounces)
-                               : add_light_lists(graph, scene, view, surface.view_z, options.lists,
-                                                 bounces);
+    stage.lists = coarse_lists
+                      ? add_light_lists(graph, scene, coarse->view, coarse->surface.view_z,
+                                        options.lists, bounces)
+                      : add_light_lists(graph, scene, view, surface.view_z, options.lists, bounces);
     SceneBvhPasses bvh;
     if (wants_ray_shadows(scene)) bvh = parts.bvh.add(graph);
     // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
@@ -64,7 +64,11 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     if (coarse) {
         stage.linear = add_reconstruction(graph, shade(coarse->surface, coarse->view), *coarse,
                                           surface, view, *options.lod);
-        if (emits_apart) {
+        // What is drawn over it needs it; else the last pass adds it on the way.
+        const bool drawn_over = wants_blended(scene) || (opaque_kinds(scene) & kForwardKinds) != 0;
+        if (emits_apart && !drawn_over) {
+            stage.emitting = surface.object;
+        } else if (emits_apart) {
             stage.linear = add_emission_pass(graph, scene, surface.object, stage.linear);
         }
     } else {

@@ -36,6 +36,8 @@ struct StageOptions {
 /// What a staged picture was made from, for readers after it.
 struct Stage {
     graph::TextureId linear;  ///< scene-linear light, RGBA16F
+    /// Valid: objects whose emission is not in `linear` yet (add_final_pass takes it).
+    graph::TextureId emitting;
     SurfaceTargets surface;
     graph::TextureId depth;  ///< kDepthFormat; invalid without meshes
     LightLists lists;

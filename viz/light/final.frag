@@ -1,20 +1,4 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "viz/light/light_shared.h"
-#include "viz/light/color.glsl"
-#include "viz/light/shade.glsl"
-layout(push_constant, scalar) uniform Push { FinalParams p; };
-layout(set = 0, binding = 0) uniform sampler2D scene_linear;
-layout(location = 0) out vec4 out_srgb;
-
-// The one last pass: exposure, tone map, sRGB and dither in one go.
-void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 scene = texelFetch(scene_linear, at, 0);
-    vec3 c = scene.rgb * (scene.a > 0.0 ? p.exposure : 1.0);
-    if (p.tone_map != 0u && scene.a > 0.0) c = roll_off(c);
-    // Interleaved gradient noise (Jimenez 2014) hides the steps of 8 bits; half a step at most.
-    float noise = fract(52.9829189 * fract(dot(vec2(at), vec2(0.06711056, 0.00583715))));
-    out_srgb = vec4(to_srgb(c) + (noise - 0.5) / 255.0, 1.0);
-}
+#include "viz/light/final.glsl"

@@ -5,6 +5,7 @@
 
 #include "viz/light/light_records.h"
 #include "viz/light/light_shared.h"
+#include "viz/light/material_upload.h"
 
 namespace kino {
 namespace {
@@ -21,6 +22,9 @@ constexpr std::uint32_t kLight[] = {
 };
 constexpr std::uint32_t kPoints[] = {
 #include "points_comp.inc"
+};
+constexpr std::uint32_t kFinalEmission[] = {
+#include "final_emission_frag.inc"
 };
 constexpr std::uint32_t kFinal[] = {
 #include "final_frag.inc"
@@ -125,21 +129,31 @@ graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scen
 }
 
 graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,
-                                graph::TextureId scene_linear, graph::TextureId target) {
+                                graph::TextureId scene_linear, graph::TextureId target,
+                                graph::TextureId emitting) {
+    const MaterialBuffers materials =
+        emitting.valid() ? add_material_upload(graph, scene) : MaterialBuffers{};
     const shared::FinalParams params{.exposure = scene.exposure,
                                      .tone_map = scene.color_mode == ColorMode::captured ? 0u : 1u};
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
-        desc.name = "light/final";
+        const bool emits = emitting.valid();
+        desc.name = emits ? "light/final with emission" : "light/final";
         desc.vertex = kFullscreen;
-        desc.fragment = kFinal;
+        desc.fragment = emits ? std::span<const std::uint32_t>(kFinalEmission)
+                              : std::span<const std::uint32_t>(kFinal);
         desc.bindings = {gpu::Binding::texture};
+        if (emits)
+            desc.bindings = {gpu::Binding::texture, gpu::Binding::texture,
+                             gpu::Binding::word_quads};
         desc.push_bytes = sizeof(params);
         desc.color_formats = {c.desc(target).format};
         const std::array<gpu::Target, 1> targets = {{{.view = c.view(target)}}};
         c.commands().begin_rendering({c.desc(target).width, c.desc(target).height}, targets,
                                      nullptr);
-        if (c.bind(desc, {c.bound(scene_linear)})) {
+        if (emits ? c.bind(desc,
+                           {c.bound(scene_linear), c.bound(emitting), c.bound(materials.materials)})
+                  : c.bind(desc, {c.bound(scene_linear)})) {
             c.commands().constants(params);
             c.commands().draw(3);
         }
@@ -149,6 +163,10 @@ graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,
         "light/final", "final",
         [&](PassBuilder& b) {
             b.read(scene_linear, Use::fragment_read);
+            if (emitting.valid()) {
+                b.read(emitting, Use::fragment_read);
+                b.read(materials.materials, Use::fragment_read);
+            }
             target = b.write(target, Use::color_attachment);
         },
         execute);

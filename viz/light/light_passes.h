@@ -24,9 +24,11 @@ constexpr VkFormat kSceneLinearFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 [[nodiscard]] graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scene,
                                                    const View& view, const DepthPassInputs& inputs);
 
-/// Exposure, tone map, sRGB, dither, into `target`; returns its new id.
+/// Exposure, tone map, sRGB, dither, into `target`; returns its new id. `emitting`, where valid:
+/// the picture's objects (SurfaceTargets::object), whose materials' emission is added before.
 [[nodiscard]] graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,
                                               graph::TextureId scene_linear,
-                                              graph::TextureId target);
+                                              graph::TextureId target,
+                                              graph::TextureId emitting = {});
 
 }  // namespace kino
