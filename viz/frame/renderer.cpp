@@ -99,9 +99,11 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
     KINO_CHECK_EQ(static_cast<std::uint32_t>(shown.height), target.extent.height);
     ZoomOptions zoom = options.zoom;
     zoom.z = usable_zoom(zoom.z, shown.width, shown.height);
-    const bool zooms = zoom.z > 1;
+    const DeflectOptions* deflect = options.deflect ? &*options.deflect : nullptr;
+    const bool zooms = zoom.z > 1 || deflect != nullptr;
+    const int guard_px = deflect != nullptr ? (deflect->guard_px + zoom.z - 1) / zoom.z : 0;
     // What is drawn; the same as what is shown unless that is enlarged.
-    const View view = zoomed_view(shown, zoom.z);
+    const View view = zoomed_view(shown, zoom.z, guard_px);
     const auto width = static_cast<std::uint32_t>(view.width);
     const auto height = static_cast<std::uint32_t>(view.height);
     const bool live = scene.live.has_value() && scene.live->surface != nullptr;
@@ -150,7 +152,8 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
         surface.albedo =
             lit ? graph.create_texture("albedo", {width, height, VK_FORMAT_R8G8B8A8_UNORM})
                 : picture;
-        if (lit || skeleton || probing || options.read_surface || options.read_view_z) {
+        if (lit || skeleton || probing || options.read_surface || options.read_view_z ||
+            deflect != nullptr) {
             surface.view_z = graph.create_texture("view depth", {width, height, kViewZFormat});
         }
         if (lit || options.read_surface) {
@@ -192,7 +195,12 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
     }
     if (skeleton) picture = add_skeleton(graph, view, picture, surface.view_z, *skeleton);
     if (zooms) {
-        KINO_ASSIGN(picture, zoom_.add(graph, picture, full, zoom));
+        KINO_ASSIGN(
+            picture,
+            zoom_.add(
+                graph,
+                {.picture = picture, .view = view, .view_z = surface.view_z, .guard_px = guard_px},
+                full, shown, zoom, deflect));
     } else {
         zoom_.clear();
     }
@@ -218,9 +226,10 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
     }
     if (probing) {
         KINO_TRY(fit(device_, probe_readback_, "probe", 16));
-        add_readback(graph, "frame/probe", surface.view_z,
-                     {options.probe_px->x / zoom.z, options.probe_px->y / zoom.z}, {1, 1},
-                     probe_readback_);
+        add_readback(
+            graph, "frame/probe", surface.view_z,
+            {options.probe_px->x / zoom.z + guard_px, options.probe_px->y / zoom.z + guard_px},
+            {1, 1}, probe_readback_);
     }
     if (keep_graphviz_) graphviz_ = graph.to_graphviz();
 

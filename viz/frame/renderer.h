@@ -47,6 +47,8 @@ struct FrameOptions {
     SampleResolve resolve = SampleResolve::as_shown;
     ZoomOptions zoom;  ///< the whole picture coarser, enlarged by copying; the overlay is not
     graph::Timing timing = graph::Timing::frame;
+    /// Set: the finished picture is brought to the newest pose, just before the overlay.
+    std::optional<DeflectOptions> deflect;
     /// Also copies the view depth under this pixel back (FrameStats::depth_at_m).
     std::optional<glm::ivec2> probe_px;
     /// Copies the finished picture (and, if asked, the surface) back to the host.
@@ -58,7 +60,7 @@ struct FrameOptions {
 };
 
 /// The surface as the host gets it, for tests, picking and benches. Row-major; of the size it is
-/// drawn at: the picture's, or ceil(W/z) x ceil(H/z) of a zoomed one (zoomed_view()).
+/// drawn at: the picture's, or that of zoomed_view() of a zoomed or deflected one.
 struct SurfaceReadback {
     Image<float> view_z_m;        ///< 0: nothing
     Image<std::uint32_t> id;      ///< depth pixel (cloud) or triangle (mesh); ~0: nothing
@@ -103,6 +105,8 @@ class Renderer {
     /// Bytes of the meshes that the last scene showed.
     [[nodiscard]] std::uint64_t mesh_bytes() const { return meshes_.bytes(); }
     /// Bytes of mapped memory that zooming takes.
+    /// What became of the last frame's picture on its way to full size.
+    [[nodiscard]] const ZoomReport& zoom_report() const { return zoom_.report(); }
     [[nodiscard]] std::uint64_t zoom_bytes() const { return zoom_.bytes(); }
     /// Bytes of the tree that rays are cast through.
     [[nodiscard]] std::uint64_t bvh_bytes() const { return bvh_.bytes(); }

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <optional>
 
 #include "base/camera_model.h"
+#include "base/error.h"
 #include "base/pose.h"
 
 namespace kino {
@@ -41,6 +44,29 @@ struct View {
 /// looking straight along `up` keeps the last resort axis x.
 [[nodiscard]] Pose look_at(const glm::dvec3& eye, const glm::dvec3& target,
                            const glm::dvec3& up = {0, 1, 0});
+
+/// A screen that is looked through as through a window. Window space: origin in its centre, x to
+/// the viewer's right, y up, z towards the viewer, metres.
+struct WindowScreen {
+    glm::dvec2 size_m{0.52, 0.32};
+    Pose world_from_window;
+    friend bool operator==(const WindowScreen&, const WindowScreen&) = default;
+};
+
+/// Nearer to the screen than this no eye is taken to be: the frustum would open without bound.
+constexpr double kNearestEyeM = 0.15;
+
+/// What an eye at `eye_m` (window space) sees through the screen, which the picture fills: the
+/// general perspective of Kooima ("Generalized Perspective Projection", 2009), in pixels. An eye
+/// nearer than kNearestEyeM, or behind the screen, is moved straight out to it.
+[[nodiscard]] View window_view(const WindowScreen& screen, const glm::dvec3& eye_m, int width,
+                               int height, double near_m = 0.05);
+
+/// The screen with these corners (lower left, lower right, upper left as its viewer sees it), in
+/// the world. Fails, naming the corner, where they are no rectangle within 2 degrees, too close
+/// together, or seen from behind by an eye at `viewer`.
+[[nodiscard]] Result<WindowScreen> window_from_corners(const std::array<glm::dvec3, 3>& corners,
+                                                       const glm::dvec3& viewer);
 
 /// Vulkan clip from view space: y down, infinite far plane, reversed depth (near -> 1, inf -> 0).
 [[nodiscard]] glm::dmat4 clip_from_view(const View& view);

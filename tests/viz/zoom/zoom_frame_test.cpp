@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tests/viz/viz_fixture.h"
+#include "viz/quality/image_metrics.h"
 #include "viz/quality/zoom/zoom_copy.h"
 #include "viz/quality/zoom/zoom_view.h"
 #include "viz/surface/mesh_shapes.h"
@@ -80,6 +81,11 @@ int largest_step(const Image<Rgba8>& a, const Image<Rgba8>& b) {
         most = std::max({most, std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
     }
     return most;
+}
+
+double psnr(const Image<Rgba8>& a, const Image<Rgba8>& b) {
+    const auto difference = compare_images(a, b);
+    return difference ? difference->psnr_db : 0;
 }
 
 class ZoomFrame : public VizTest {};
@@ -157,6 +163,50 @@ TEST_F(ZoomFrame, OverlayIsDrawnAtFullSizeAfterTheCopy) {
                                    [](const std::string& p) { return p.starts_with("zoom/"); });
     ASSERT_NE(copy, passes.rend());
     EXPECT_NE(std::find(copy.base(), passes.end(), "test/overlay"), passes.end());
+}
+
+// A turned camera's picture is a homography of what it drew: deflected pictures against drawn ones.
+TEST_F(ZoomFrame, DeflectedPictureIsTheOneDrawnThere) {
+    Renderer renderer(device());
+    const Scene scene = boxes();
+    const View old = front_view(160, 96);
+    View now = old;
+    now.world_from_view = look_at({0, 0, 0}, {std::sin(0.05), 0.01, -std::cos(0.05)});
+    const FrameResult truth = draw(renderer, scene, now);
+    const FrameResult before = draw(renderer, scene, old);
+    const double undeflected = psnr(before.picture, truth.picture);
+    for (const DeflectForm form :
+         {DeflectForm::pan, DeflectForm::homography, DeflectForm::depth_warp}) {
+        FrameOptions options;
+        options.deflect = {.form = form, .guard_px = 16, .newest = [&] { return now; }};
+        const FrameResult frame = draw(renderer, scene, old, options);
+        EXPECT_GT(psnr(frame.picture, truth.picture), undeflected + 3);
+        if (form != DeflectForm::pan) {
+            EXPECT_GT(psnr(frame.picture, truth.picture), 35);
+        }
+        EXPECT_EQ(renderer.zoom_report().shown, now);
+        EXPECT_EQ(renderer.zoom_report().clamped_px, 0);
+        EXPECT_GT(renderer.zoom_bytes(), 0u);
+    }
+    // A pose that is none leaves the picture where it is.
+    View wrong = now;
+    wrong.world_from_view.rotation.w = std::nan("");
+    FrameOptions options;
+    options.deflect = {.guard_px = 5, .newest = [&] { return wrong; }};
+    EXPECT_LE(largest_step(draw(renderer, scene, old, options).picture, before.picture), 2);
+    // Without deflection everything is given back.
+    EXPECT_EQ(draw(renderer, scene, old).picture, before.picture);
+    EXPECT_EQ(renderer.zoom_bytes(), 0u);
+}
+
+TEST_F(ZoomFrame, DeflectionBeyondTheGuardBandIsCounted) {
+    Renderer renderer(device());
+    View now = front_view();
+    now.projection.cx += 10;
+    FrameOptions options;
+    options.deflect = {.guard_px = 4, .newest = [&] { return now; }};
+    draw(renderer, boxes(), front_view(), options);
+    EXPECT_EQ(renderer.zoom_report().clamped_px, (10 - 4) * kHeight);
 }
 
 TEST_F(ZoomFrame, ProbeAndSurfaceAreOfTheSmallPicture) {
