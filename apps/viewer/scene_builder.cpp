@@ -88,6 +88,7 @@ const Scene& SceneBuilder::scene(const DrawOptions& options) {
     if (scene_.live) {
         scene_.live->style = options.style;
         scene_.live->splat_cap_px = options.splat_px;
+        scene_.live->casts_shadows = director_ && director_->file().live.casts_shadows;
     }
     if (director_) return scene_;
     // Lights that change nothing are not called for.

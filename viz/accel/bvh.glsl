@@ -17,15 +17,15 @@ void bvh_pop(inout uint n, inout uint trail) {
     n = (n >> up) ^ 1u;
 }
 
-// Walks until the next leaf whose box is met, and steps past it; its triangles are
+// Walks until the next leaf of `nodes` whose box is met, and steps past it; its triangles are
 // [first, first + count). Count 0: there is no other.
-void bvh_next_leaf(RayTest r, float best, inout uint n, inout uint trail, out uint first,
-                   out uint count) {
+void bvh_next_leaf(usamplerBuffer nodes, RayTest r, float best, inout uint n, inout uint trail,
+                   out uint first, out uint count) {
     count = 0u;
     first = 0u;
     while (trail > 0u && count == 0u) {
-        uvec4 low = texelFetch(bvh_nodes, int(2u * n));
-        uvec4 high = texelFetch(bvh_nodes, int(2u * n + 1u));
+        uvec4 low = texelFetch(nodes, int(2u * n));
+        uvec4 high = texelFetch(nodes, int(2u * n + 1u));
         bool met = meets_box(r, uintBitsToFloat(low.xyz), uintBitsToFloat(high.xyz), best);
         bool leaf = (high.w & 4u) != 0u;
         bool down = met && !leaf;
@@ -50,7 +50,7 @@ FoundHit bvh_closest(RayTest r, float t_max, uint start) {
     uint trail = r.valid ? bvh_start_trail(start) : 0u;
     while (trail > 0u) {
         uint first, count;
-        bvh_next_leaf(r, best.t, n, trail, first, count);
+        bvh_next_leaf(bvh_nodes, r, best.t, n, trail, first, count);
         for (uint i = 0u; i < count; ++i) {
             int at = int(3u * (first + i));
             uvec4 a = texelFetch(bvh_triangles, at);
@@ -67,20 +67,20 @@ FoundHit bvh_closest(RayTest r, float t_max, uint start) {
     return best;
 }
 
-bool bvh_any(RayTest r, float t_max) {
+bool bvh_any_of(usamplerBuffer nodes, usamplerBuffer triangles, RayTest r, float t_max) {
     uint n = 1u;
     uint trail = r.valid ? 1u : 0u;
     bool found = false;
     while (trail > 0u) {
         uint first, count;
-        bvh_next_leaf(r, t_max, n, trail, first, count);
+        bvh_next_leaf(nodes, r, t_max, n, trail, first, count);
         for (uint i = 0u; i < count; ++i) {
             int at = int(3u * (first + i));
             float t;
             vec2 weights;
-            bool met = meets_triangle(r, uintBitsToFloat(texelFetch(bvh_triangles, at).xyz),
-                                      uintBitsToFloat(texelFetch(bvh_triangles, at + 1).xyz),
-                                      uintBitsToFloat(texelFetch(bvh_triangles, at + 2).xyz),
+            bool met = meets_triangle(r, uintBitsToFloat(texelFetch(triangles, at).xyz),
+                                      uintBitsToFloat(texelFetch(triangles, at + 1).xyz),
+                                      uintBitsToFloat(texelFetch(triangles, at + 2).xyz),
                                       t_max, t, weights);
             found = found || met;
             count = found ? 0u : count;
@@ -89,3 +89,5 @@ bool bvh_any(RayTest r, float t_max) {
     }
     return found;
 }
+
+bool bvh_any(RayTest r, float t_max) { return bvh_any_of(bvh_nodes, bvh_triangles, r, t_max); }

@@ -1,6 +1,9 @@
 #include "viz/accel/scene_bvh.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "base/check.h"
 
 namespace kino {
 namespace {
@@ -36,6 +39,36 @@ std::vector<SceneBvh::Part> SceneBvh::parts_of(const Scene& scene, const SceneBv
 }
 
 Result<void> SceneBvh::upload(const Scene& scene, const SceneBvhOptions& options) {
+    KINO_TRY(upload_meshes(scene, options));
+    return upload_live(scene, options);
+}
+
+Result<void> SceneBvh::upload_live(const Scene& scene, const SceneBvhOptions& options) {
+    KINO_CHECK(options.live_columns > 1);
+    const bool casts = scene.live && scene.live->surface && scene.live->casts_shadows;
+    if (!casts) {
+        live_tree_.clear();
+        live_soup_ = {};
+        live_frame_.reset();
+        live_pending_ = false;
+        return {};
+    }
+    const LiveDepth& live = *scene.live;
+    if (live.surface == live_frame_ && live.world_from_depth == live_pose_ &&
+        soup_.center == live_soup_.center) {
+        return {};
+    }
+    const int columns = live.surface->depth_m.width();
+    const int stride = std::max(1, (columns + options.live_columns / 2) / options.live_columns);
+    live_soup_ = gather_live_triangles(live, stride, soup_.center);
+    live_frame_ = live.surface;
+    live_pose_ = live.world_from_depth;
+    live_pending_ = options.place == BuildPlace::device;
+    if (live_pending_) return live_tree_.upload_soup(live_soup_.triangles, options.tree);
+    return live_tree_.upload(build_bvh(live_soup_.triangles, options.tree));
+}
+
+Result<void> SceneBvh::upload_meshes(const Scene& scene, const SceneBvhOptions& options) {
     std::vector<Part> parts = parts_of(scene, options);
     const bool same_way = options_.has_value() && same_options(*options_, options);
     if (same_way && parts == parts_) {
@@ -85,6 +118,8 @@ SceneBvhPasses SceneBvh::add(graph::FrameGraph& graph) {
             passes.tree = device_tree_.add(graph);
             break;
     }
+    passes.live =
+        std::exchange(live_pending_, false) ? live_tree_.add_build(graph) : live_tree_.add(graph);
     return passes;
 }
 
@@ -92,6 +127,10 @@ void SceneBvh::clear() {
     device_tree_.clear();
     host_tree_ = {};
     soup_ = {};
+    live_tree_.clear();
+    live_soup_ = {};
+    live_frame_.reset();
+    live_pending_ = false;
     parts_.clear();
     options_.reset();
     pending_ = Pending::nothing;

@@ -114,6 +114,13 @@ void TriangleSoup::add(const Triangle& triangle, Source source) {
     sources.push_back(source);
 }
 
+TriangleSoup gather_live_triangles(const LiveDepth& live, int stride, const glm::dvec3& center) {
+    TriangleSoup soup;
+    soup.center = center;
+    gather_live(live, stride, soup);
+    return soup;
+}
+
 TriangleSoup gather_triangles(const Scene& scene, const GatherOptions& options) {
     TriangleSoup soup;
     glm::dvec3 sum(0);

@@ -44,6 +44,10 @@ struct GatherOptions {
     int live_stride = 1;  ///< every so many depth pixels
 };
 
+/// The live frame's alone, every `stride`-th depth pixel, relative to `center`.
+[[nodiscard]] TriangleSoup gather_live_triangles(const LiveDepth& live, int stride,
+                                                 const glm::dvec3& center);
+
 /// The scene's meshes, posed, relative to a center among them.
 [[nodiscard]] TriangleSoup gather_triangles(const Scene& scene, const GatherOptions& options = {});
 

@@ -114,7 +114,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
     }
     KINO_TRY(meshes_.upload(scene));
     if (wants_stage(scene) && wants_ray_shadows(scene)) {
-        KINO_TRY(bvh_.upload(scene));
+        KINO_TRY(bvh_.upload(scene, {.live_columns = options.ray_shadows.live_columns}));
     } else {
         bvh_.clear();
     }

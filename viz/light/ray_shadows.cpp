@@ -37,7 +37,7 @@ constexpr std::uint32_t kShadowMostSlots = 128;
 struct ShadowInputs {
     ShadowSurface surface;
     LightLists lists;
-    BvhBuffers tree;
+    BvhBuffers meshes, live;  ///< one of them is not empty
     shared::ShadowParams params{};
     std::vector<std::uint32_t> constants;
 
@@ -50,8 +50,19 @@ struct ShadowInputs {
         b.read(lists.indices, Use::compute_read);
     }
     void read_tree(PassBuilder& b) const {
-        b.read(tree.nodes, Use::compute_read);
-        b.read(tree.triangles, Use::compute_read);
+        for (const BvhBuffers* tree : {&meshes, &live}) {
+            if (tree->empty()) continue;
+            b.read(tree->nodes, Use::compute_read);
+            b.read(tree->triangles, Use::compute_read);
+        }
+    }
+    /// Nodes and triangles of the meshes, then of the live frame. What is compiled out still wants
+    /// something bound.
+    [[nodiscard]] std::array<gpu::Bound, 4> trees(const PassContext& c) const {
+        const BvhBuffers& first = meshes.empty() ? live : meshes;
+        const BvhBuffers& second = live.empty() ? meshes : live;
+        return {c.bound(first.nodes), c.bound(first.triangles), c.bound(second.nodes),
+                c.bound(second.triangles)};
     }
     /// What shadow_head.glsl binds.
     [[nodiscard]] std::array<gpu::Bound, 5> bound(const PassContext& c) const {
@@ -100,12 +111,14 @@ void add_shadow_pixels(FrameGraph& graph, const ShadowInputs& in, RayShadows& ou
             out.counters = b.write(out.counters, Use::compute_write);
         },
         [in, masks = out.masks, counters = out.counters](PassContext& c) {
-            const auto desc = in.pipeline(
-                "light/shadow pixels", kShadowPixels,
-                {Binding::word_quads, Binding::word_quads, Binding::storage, Binding::storage});
+            const auto desc =
+                in.pipeline("light/shadow pixels", kShadowPixels,
+                            {Binding::word_quads, Binding::word_quads, Binding::storage,
+                             Binding::storage, Binding::word_quads, Binding::word_quads});
             const auto head = in.bound(c);
-            if (!c.bind(desc, {head[0], head[1], head[2], head[3], head[4], c.bound(in.tree.nodes),
-                               c.bound(in.tree.triangles), c.bound(masks), c.bound(counters)})) {
+            const auto tree = in.trees(c);
+            if (!c.bind(desc, {head[0], head[1], head[2], head[3], head[4], tree[0], tree[1],
+                               c.bound(masks), c.bound(counters), tree[2], tree[3]})) {
                 return;
             }
             c.commands().constants(in.params);
@@ -164,13 +177,15 @@ void add_shadow_jobs(FrameGraph& graph, ShadowInputs in, std::uint32_t room, Ray
                 out.masks = b.write(out.masks, Use::compute_write);
             },
             [in, jobs, counters = out.counters, masks = out.masks](PassContext& c) {
-                const auto desc = in.pipeline("light/shadow cast", kShadowCast,
-                                              {Binding::word_quads, Binding::word_quads,
-                                               Binding::words, Binding::storage, Binding::storage});
+                const auto desc = in.pipeline(
+                    "light/shadow cast", kShadowCast,
+                    {Binding::word_quads, Binding::word_quads, Binding::words, Binding::storage,
+                     Binding::storage, Binding::word_quads, Binding::word_quads});
                 const auto head = in.bound(c);
-                if (!c.bind(desc, {head[0], head[1], head[2], head[3], head[4],
-                                   c.bound(in.tree.nodes), c.bound(in.tree.triangles),
-                                   c.bound(jobs), c.bound(counters), c.bound(masks)})) {
+                const auto tree = in.trees(c);
+                if (!c.bind(desc,
+                            {head[0], head[1], head[2], head[3], head[4], tree[0], tree[1],
+                             c.bound(jobs), c.bound(counters), c.bound(masks), tree[2], tree[3]})) {
                     return;
                 }
                 c.commands().constants(in.params);
@@ -225,10 +240,12 @@ RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& vi
                            const SceneBvhPasses& bvh, const RayShadowOptions& options) {
     KINO_CHECK_LE(options.rays_per_pixel, kShadowMostSlots);
     RayShadows out;
-    if (bvh.tree.empty() || options.rays_per_pixel == 0 || !wants_ray_shadows(scene)) return out;
+    if ((bvh.tree.empty() && bvh.live.empty()) || options.rays_per_pixel == 0 ||
+        !wants_ray_shadows(scene))
+        return out;
     const bool half = options.half_resolution && tiles_are_even(lists, view);
     const std::uint32_t divisor = half ? 2 : 1;
-    ShadowInputs in{.surface = surface, .lists = lists, .tree = bvh.tree};
+    ShadowInputs in{.surface = surface, .lists = lists, .meshes = bvh.tree, .live = bvh.live};
     shared::ShadowParams& p = in.params;
     const glm::dmat3 rotation = glm::mat3_cast(view.world_from_view.rotation);
     const glm::dvec3 translation = view.world_from_view.translation - bvh.center;
@@ -247,11 +264,13 @@ RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& vi
     p.locals = lists.local_count;
     p.most_rays = options.rays_per_pixel;
     p.offset = options.offset;
+    p.live_bias_m = options.live_bias_m;
     if (lists.tile_px != 0) {
         p.tile_scale = glm::vec2(lists.width, lists.height) / glm::vec2(p.size) /
                        static_cast<float>(lists.tile_px);
     }
-    in.constants = {lists.tile_px != 0 ? 1u : 0u, half ? 1u : 0u, lists.has_spots ? 1u : 0u};
+    in.constants = {lists.tile_px != 0 ? 1u : 0u, half ? 1u : 0u, lists.has_spots ? 1u : 0u,
+                    (bvh.tree.empty() ? 0u : 1u) | (bvh.live.empty() ? 0u : 2u)};
     const std::uint64_t texels = std::uint64_t{p.texels.x} * p.texels.y;
     KINO_CHECK(texels < (1u << 25));  // a job has seven bits for its slot
     out.masks = graph.create_buffer("shadow masks, traced", {texels * sizeof(glm::uvec4)});

@@ -25,6 +25,10 @@ struct RayShadowOptions {
     /// Rays start this share of the largest coordinate (from the tree's center, and along the view)
     /// off their surface, and end as much before the light.
     float offset = 5e-4f;
+    /// Hits of the live frame's tree nearer than this to a ray's origin do not count: the tree is
+    /// coarser than what is drawn, and its surface would shadow itself.
+    float live_bias_m = 0.12f;
+    int live_columns = 80;  ///< about as many vertices of the live frame across; SceneBvhOptions
     std::uint32_t job_room = 1u << 21;  ///< jobs of a band of rows; what does not fit is more bands
 };
 

@@ -6,6 +6,7 @@ layout(set = 0, binding = 6) uniform usamplerBuffer bvh_triangles;
 layout(set = 0, binding = 7) uniform usamplerBuffer jobs;  // words
 layout(scalar, set = 0, binding = 8) readonly buffer Counters { ShadowCounters counters; };
 layout(scalar, set = 0, binding = 9) buffer Masks { uint masks[]; };
+#define KINO_LIVE_BINDING 10
 #include "viz/light/shadow_ray.glsl"
 
 void main() {

@@ -6,6 +6,7 @@ layout(set = 0, binding = 5) uniform usamplerBuffer bvh_nodes;
 layout(set = 0, binding = 6) uniform usamplerBuffer bvh_triangles;
 layout(scalar, set = 0, binding = 7) writeonly buffer Masks { uvec4 masks[]; };
 layout(scalar, set = 0, binding = 8) buffer Counters { ShadowCounters counters; };
+#define KINO_LIVE_BINDING 9
 #include "viz/light/shadow_ray.glsl"
 
 void main() {

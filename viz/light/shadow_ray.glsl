@@ -1,5 +1,9 @@
-// One ray of a shadow; the includer has what viz/accel/bvh.glsl wants.
+// One ray of a shadow; the includer has what viz/accel/bvh.glsl wants, and KINO_LIVE_BINDING: where
+// the tree of the live depth frame is bound.
 #include "viz/accel/bvh.glsl"
+layout(set = 0, binding = KINO_LIVE_BINDING) uniform usamplerBuffer live_nodes;
+layout(set = 0, binding = KINO_LIVE_BINDING + 1) uniform usamplerBuffer live_triangles;
+layout(constant_id = 3) const uint kTrees = 1u;  // bit 0: meshes, bit 1: live frame
 
 vec3 to_tree(vec3 v, float w) {
     precise float x = p.tree_from_view_x.x * v.x + p.tree_from_view_x.y * v.y +
@@ -25,8 +29,21 @@ bool hidden(Place place, vec3 way, bool directional, bool traced) {
     precise float range = sqrt(dot(direction, direction));
     precise float left = 1.0 - step / range;
     float t_max = directional ? uintBitsToFloat(0x7F800000u) : left;
-    RayTest r = prepare_ray(origin, 0.0, direction, t_max);
     // What wants no ray is over before it begins.
-    r.valid = r.valid && traced && (directional || range > step);
-    return bvh_any(r, t_max);
+    bool wanted = traced && (directional || range > step);
+    bool met = false;
+    if ((kTrees & 1u) != 0u) {
+        RayTest r = prepare_ray(origin, 0.0, direction, t_max);
+        r.valid = r.valid && wanted;
+        met = bvh_any(r, t_max);
+    }
+    if ((kTrees & 2u) != 0u) {
+        // The live frame is in its tree more coarsely than it is drawn: its own surface does not
+        // count where the ray begins.
+        precise float begin = p.live_bias_m / range;
+        RayTest r = prepare_ray(origin, begin, direction, t_max);
+        r.valid = r.valid && wanted && !met;
+        met = bvh_any_of(live_nodes, live_triangles, r, t_max) || met;
+    }
+    return met;
 }

@@ -20,6 +20,7 @@ struct ShadowParams {
     float offset;    // a ray starts this share of the largest coordinate off its surface
     uint first_row;  // of this band of texels
     uint rows;
+    float live_bias_m;  // hits of the live frame nearer than this do not count
 };
 
 struct ShadowCounters {

@@ -49,6 +49,7 @@ struct LiveDepth {
     /// Largest splat, px; 1 draws every point as one pixel. Clouds only.
     int splat_cap_px = 1;
     bool fill_holes = true;  ///< one-pixel holes between splats take a neighbour's colour
+    bool casts_shadows = false;  ///< from lights with ray-cast shadows, where the scene is staged
 };
 
 enum class LightKind : std::uint8_t { directional, point, spot };

@@ -177,6 +177,7 @@ struct SceneLive {
     DepthStyle style = DepthStyle::mesh;
     int splat_px = 3;
     double margin_m = 0.16;  ///< that flesh and clothes stand off the bones
+    bool casts_shadows = false;
     friend bool operator==(const SceneLive&, const SceneLive&) = default;
 };
 

@@ -165,6 +165,112 @@ TEST_F(RayShadowsTest, rays_beyond_a_pixels_share_are_counted_and_leave_no_shado
     }
 }
 
+/// Something in the middle of the stage's room as a depth camera under the ceiling would see it: a
+/// bent shell, and nothing round it.
+LiveDepth shell_in(const ShadowStage& stage) {
+    const glm::dvec3 room = stage.scene.meshes[0].world_from_object[3];
+    constexpr int kShellWidth = 160, kShellHeight = 120;
+    const Projection k = perspective(1.0, kShellWidth, kShellHeight);
+    auto surface = std::make_shared<DepthSurface>();
+    auto rays = std::make_shared<Image<RayXy>>(kShellWidth, kShellHeight);
+    surface->depth_m.resize(kShellWidth, kShellHeight);
+    surface->focal_px = k.fx;
+    for (int y = 0; y < kShellHeight; ++y) {
+        for (int x = 0; x < kShellWidth; ++x) {
+            const glm::vec2 ray((x - k.cx) / k.fx, (y - k.cy) / k.fy);
+            rays->at(x, y) = {ray.x, ray.y};
+            const float across = glm::dot(ray, ray) / 0.3f;
+            surface->depth_m.at(x, y) =
+                across < 1 ? 1.5f - 0.3f * std::sqrt(1 - across) + 0.02f * std::sin(9 * ray.x) : 0;
+        }
+    }
+    surface->rays = rays;
+    return {
+        .surface = surface,
+        .world_from_depth = look_at(room + glm::dvec3(0, 2.9, 0), room + glm::dvec3(0.2, 0, 0.1)),
+        .casts_shadows = true};
+}
+
+TEST_F(RayShadowsTest, the_live_frame_casts_the_shadows_that_embree_finds) {
+    ShadowStage stage({.width = 48, .height = 34, .lights = 24});
+    const RayShadowOptions options{
+        .half_resolution = false, .rays_per_pixel = 128, .offset = kOffset};
+    const ShadowCast without = cast(stage, options);
+    stage.scene.live = shell_in(stage);
+    for (const int columns : {27, 80}) {
+        for (const bool with_meshes : {true, false}) {
+            SCOPED_TRACE(columns);
+            SCOPED_TRACE(with_meshes);
+            ShadowStage seen = stage;
+            if (!with_meshes) seen.scene.meshes.clear();
+            SceneBvh bvh(device());
+            ASSERT_TRUE(bvh.upload(seen.scene, {.live_columns = columns}).has_value());
+            const ShadowCast found = test::cast_shadows(device(), executor_, seen, bvh, options);
+            const TriangleSoup& shell = bvh.live_soup();
+            // Somewhat more or less than half of the coarse grid's cells.
+            const double cells = 0.75 * columns * columns;
+            EXPECT_GT(static_cast<double>(shell.triangles.size()), 0.15 * 2 * cells);
+            EXPECT_LT(static_cast<double>(shell.triangles.size()), 0.65 * 2 * cells);
+            const test::EmbreePeer live(shell.triangles);
+            const test::EmbreePeer meshes(bvh.soup().triangles);
+            const auto wide = test::in_double(shell.triangles);
+            std::uint32_t rays = 0, by_shell = 0, differing = 0;
+            for (int y = 0; y < seen.view.height; ++y) {
+                for (int x = 0; x < seen.view.width; ++x) {
+                    for (auto [slot, ray] :
+                         test::shadow_rays(seen, found, bvh.soup().center, kOffset, x, y)) {
+                        ++rays;
+                        const bool by_mesh = with_meshes && meshes.any_hit(ray);
+                        ray.t_min = options.live_bias_m / glm::length(ray.direction);
+                        const bool by_live = live.any_hit(ray);
+                        by_shell += by_live && !by_mesh;
+                        const bool ours = test::shadow_bit(found.masks[seen.at(x, y)], slot);
+                        if (ours == (by_live || by_mesh)) continue;
+                        ++differing;
+                        EXPECT_TRUE(by_mesh ||
+                                    reference::closest_edge(wide, ray.origin, ray.direction) < 2e-3)
+                            << x << ' ' << y << ' ' << slot;
+                    }
+                }
+            }
+            EXPECT_GT(by_shell, rays / 100);
+            EXPECT_LE(differing, rays / 500);
+            // The tree may be built by passes, and jobs may do the work of lanes.
+            RayShadowOptions jobs = options;
+            jobs.dispatch = ShadowDispatch::jobs;
+            EXPECT_EQ(
+                cast(seen, jobs, {.place = BuildPlace::device, .live_columns = columns}).masks,
+                found.masks);
+        }
+    }
+    // A frame that does not ask for it has no tree, and the masks are the bits that they were.
+    stage.scene.live->casts_shadows = false;
+    SceneBvh bvh(device());
+    ASSERT_TRUE(bvh.upload(stage.scene).has_value());
+    EXPECT_TRUE(bvh.live_soup().triangles.empty());
+    EXPECT_EQ(test::cast_shadows(device(), executor_, stage, bvh, options).masks, without.masks);
+}
+
+// What stands is not built again because somebody moves, and a frame that is shown twice is
+// gathered once.
+TEST_F(RayShadowsTest, the_live_frames_tree_leaves_that_of_the_meshes_alone) {
+    ShadowStage stage({.lights = 9});
+    stage.scene.live = shell_in(stage);
+    SceneBvh bvh(device());
+    ASSERT_TRUE(bvh.upload(stage.scene).has_value());
+    const std::uint64_t with_live = bvh.bytes();
+    for (int frame = 0; frame < 3; ++frame) {
+        stage.scene.live->surface = std::make_shared<DepthSurface>(*stage.scene.live->surface);
+        ASSERT_TRUE(bvh.upload(stage.scene).has_value());
+    }
+    EXPECT_EQ(bvh.counts().builds, 1u);
+    EXPECT_EQ(bvh.counts().refits, 0u);
+    EXPECT_EQ(bvh.counts().kept, 3u);
+    stage.scene.live->casts_shadows = false;
+    ASSERT_TRUE(bvh.upload(stage.scene).has_value());
+    EXPECT_LT(bvh.bytes(), with_live);
+}
+
 TEST_F(RayShadowsTest, nothing_that_casts_shadows_costs_nothing) {
     ShadowStage stage({.lights = 20});
     const auto passes = [&](bool with_tree) {
