@@ -13,6 +13,7 @@ using Command = std::function<int()>;
 
 [[nodiscard]] Command add_replay(CLI::App& parent);
 [[nodiscard]] Command add_live(CLI::App& parent);
+[[nodiscard]] Command add_demo(CLI::App& parent);
 [[nodiscard]] Command add_record(CLI::App& parent);
 [[nodiscard]] Command add_convert(CLI::App& parent);
 [[nodiscard]] Command add_repair(CLI::App& parent);

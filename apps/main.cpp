@@ -17,9 +17,10 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", "kinoscope " KINO_VERSION);
     app.require_subcommand(1);
     app.footer(kExitCodesText);
-    const std::vector<Command> commands = {
-        add_live(app),    add_replay(app),  add_record(app), add_convert(app), add_repair(app),
-        add_devices(app), add_compare(app), add_bench(app),  add_train(app),   add_calibrate(app)};
+    const std::vector<Command> commands = {add_demo(app),    add_live(app),     add_replay(app),
+                                           add_record(app),  add_convert(app),  add_repair(app),
+                                           add_devices(app), add_compare(app),  add_bench(app),
+                                           add_train(app),   add_calibrate(app)};
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -46,23 +46,33 @@ void set_look() {
 
 }  // namespace
 
-UiContext::UiContext(GLFWwindow* window, float font_px) {
+UiContext::UiContext(float font_px) {
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
     set_look();
     load_font(font_px);
-    ImGui_ImplGlfw_InitForOther(window, true);
+}
+
+UiContext::UiContext(GLFWwindow* window, float font_px) : UiContext(font_px) {
+    has_window_ = ImGui_ImplGlfw_InitForOther(window, true);
 }
 
 UiContext::~UiContext() {
-    ImGui_ImplGlfw_Shutdown();
+    if (has_window_) ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
 }
 
 void UiContext::begin_frame() {
     ImGui_ImplGlfw_NewFrame();
     // Pictures are drawn in pixels of the framebuffer, whatever the display's scale.
+    ImGui::NewFrame();
+}
+
+void UiContext::begin_picture(int width, int height, double dt_s) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+    io.DeltaTime = static_cast<float>(dt_s);
     ImGui::NewFrame();
 }
 

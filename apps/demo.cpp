@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "apps/avatar/avatar_rig.h"
+#include "apps/calibration_option.h"
+#include "apps/commands.h"
+#include "apps/demo_show/show_options.h"
+#include "apps/exit_codes.h"
+#include "apps/interrupt.h"
+#include "apps/replay_options.h"
+#include "apps/sources.h"
+#include "apps/stage/bundled.h"
+#include "apps/view_options.h"
+#include "viz/scene/scene_file.h"
+
+namespace kino {
+namespace {
+
+constexpr int kLeastSide = 16, kLargestSide = 8192;
+
+std::string read_demo_size(const std::string& text, ShowOptions& options) {
+    int width = 0, height = 0;
+    char x = 0, rest = 0;
+    const int read = std::sscanf(text.c_str(), "%d%c%d%c", &width, &x, &height, &rest);
+    if (read != 3 || x != 'x' || std::min(width, height) < kLeastSide ||
+        std::max(width, height) > kLargestSide) {
+        return fmt::format("--size: {} is not WxH with sides from {} to {}", text, kLeastSide,
+                           kLargestSide);
+    }
+    options.width = width;
+    options.height = height;
+    return {};
+}
+
+/// As CLI::Range, which lets NaN through.
+CLI::Validator number_within(double least, double most) {
+    return CLI::Validator(
+        [least, most](const std::string& word) {
+            double value = 0;
+            if (CLI::detail::lexical_cast(word, value) && value >= least && value <= most)
+                return std::string();
+            return fmt::format("{} is not a number from {} to {}", word, least, most);
+        },
+        {});
+}
+
+/// The scene that was asked for, then the others.
+std::vector<std::string> scenes_from(const std::string& first) {
+    std::vector<std::string> names = {first};
+    for (const BundledScene& scene : bundled_scenes()) {
+        if (scene.name != first) names.emplace_back(scene.name);
+    }
+    return names;
+}
+
+void add_what_is_shown(CLI::App& app, const std::shared_ptr<ShowOptions>& options) {
+    app.add_option_function<std::string>(
+           "--scene", [options](const std::string& name) { options->scenes = scenes_from(name); },
+           "begin on this stage: a name or a scene file (docs/scenes.md)")
+        ->check([](const std::string& name) {
+            if (bundled_scene(name)) return std::string();
+            const auto read = read_scene_file(name);
+            return read ? std::string()
+                        : read.error().to_string() + "\nor one of:\n" + list_of_scenes();
+        })
+        ->type_name("NAME|FILE");
+    app.add_option("--avatar", options->avatar,
+                   "a character that moves as people do: one of those below, or a glTF file")
+        ->check([](const std::string& name) {
+            if (name == "none") return std::string();
+            const auto rig = open_avatar(name);
+            return rig ? std::string()
+                       : rig.error().to_string() + "\nor one of:\n" + list_of_avatars();
+        })
+        ->type_name("NAME|FILE|none");
+    app.add_flag("--body,!--no-body", options->live_body, "show the depth of people, default yes");
+    app.add_flag("--mirror,!--no-mirror", options->mirror, "as in a mirror, default yes");
+    add_calibration_option(app, options->calibration);
+    add_tracking_options(app, options->bodies);
+    app.add_option("--gestures", options->bodies.gestures, "definitions of gestures as JSON")
+        ->type_name("FILE");
+}
+
+void add_how_it_is_drawn(CLI::App& app, const std::shared_ptr<ShowOptions>& options) {
+    app.add_option("--lod", options->lod,
+                   "light on a picture R times coarser; default: full headless, in a window as "
+                   "--target-ms asks for")
+        ->check(number_within(1, 8))
+        ->type_name("R");
+    app.add_option("--target-ms", options->target_ms,
+                   "time of a picture that is kept in a window, default 33.3")
+        ->check(number_within(1, 1000))
+        ->type_name("T");
+    app.add_option_function<std::string>(
+           "--size",
+           [options](const std::string& text) {
+               if (const std::string problem = read_demo_size(text, *options); !problem.empty()) {
+                   throw CLI::ValidationError(problem);
+               }
+           },
+           "of the picture, default 1280x720")
+        ->type_name("WxH");
+    app.add_option("--device", options->device,
+                   "Vulkan device: part of its name, or discrete, integrated, cpu")
+        ->type_name("NAME");
+    app.add_option("--headless", options->headless,
+                   "no window: pictures, video.mp4 and summary.json into OUT, the same bits every "
+                   "time")
+        ->type_name("OUT");
+    app.add_option("--frames", options->frames, "end after N pictures")
+        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
+        ->type_name("N");
+    app.add_option("--pictures", options->pictures,
+                   "headless: at most N pictures as PNG, default 12; -1: all")
+        ->check(CLI::Range(-1, 1 << 30))
+        ->type_name("N");
+    app.add_flag("--json", options->json, "print the summary as JSON");
+    app.add_flag("--verbose", options->verbose, "a line an event");
+}
+
+int run_demo(const ShowOptions& options) {
+    register_sources();
+    catch_interrupts();
+    const ShowHelp help{
+        .interrupted = interrupted, .find_device = first_device, .validation = wants_validation()};
+    if (!options.headless.empty()) return show_headless(options, help);
+    if (const std::optional<int> code = show_in_window(options, help)) return *code;
+    ShowOptions fallback = options;
+    fallback.headless = "out";
+    fmt::print(stderr, "kinoscope: writing pictures into {} instead\n", fallback.headless.string());
+    return show_headless(fallback, help);
+}
+
+}  // namespace
+
+Command add_demo(CLI::App& parent) {
+    auto options = std::make_shared<ShowOptions>();
+    CLI::App& app = *parent.add_subcommand(
+        "demo", "the gesture-controlled demo: paint with light, throw, turn the stage");
+    app.add_option("URI", options->uri,
+                   "a sensor or a recording; default: the first sensor there is, and while there "
+                   "is none or nobody before it, a recorded performance");
+    add_what_is_shown(app, options);
+    add_how_it_is_drawn(app, options);
+    app.footer(
+        "Wave to begin; docs/demo.md says what each gesture does. Without a display, what "
+        "--headless out\ndoes is done.\n\nScenes:\n" +
+        list_of_scenes() + "\nAvatars:\n" + list_of_avatars() + "\nKeys in the window:\n" +
+        show_keys_text());
+    return [options] { return run_demo(*options); };
+}
+
+}  // namespace kino

@@ -1,0 +1,105 @@
+#include "apps/demo_show/guidance_overlay.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/demo_show/gesture_outline.h"
+
+namespace kino {
+namespace {
+
+constexpr float kOutline = 0.085f;  ///< half its size, as a part of the picture's height
+constexpr float kLine = 0.0085f;
+constexpr double kFadeS = 0.3;
+constexpr double kPraiseS = 0.7;
+constexpr glm::vec4 kWhite{1, 1, 1, 1};
+
+bool praises(const DemoGuidance& guidance) {
+    return guidance.praised_ago_s >= 0 && guidance.praised_ago_s < kPraiseS &&
+           praise_words(guidance.praised)[0] != '\0';
+}
+
+std::optional<glm::vec2> anchor_px(const UiCanvas& canvas, const View& view,
+                                   const DemoGuidance& guidance) {
+    if (!guidance.anchor_m) return std::nullopt;
+    const auto pixel = project_to_pixel(view, *guidance.anchor_m);
+    if (!pixel || !std::isfinite(pixel->x) || !std::isfinite(pixel->y)) return std::nullopt;
+    const glm::vec2 at(*pixel);
+    const glm::vec2 size = canvas.size();
+    const bool near = at.x > -0.2f * size.x && at.x < 1.2f * size.x && at.y > -0.2f * size.y &&
+                      at.y < 1.2f * size.y;
+    return near ? std::optional(at) : std::nullopt;
+}
+
+/// Where the outline's middle goes: on the side of the joint that is nearer to the picture's edge,
+/// if it fits there.
+glm::vec2 place_of(const UiCanvas& canvas, const std::optional<glm::vec2>& anchor) {
+    const glm::vec2 size = canvas.size();
+    const float half = canvas.high(1.3f * kOutline), below = canvas.high(0.12f);
+    const glm::vec2 least(half + canvas.high(0.02f), half + canvas.high(0.02f));
+    const glm::vec2 most(size.x - least.x, size.y - half - below);
+    if (!anchor) return {0.5f * size.x, most.y};
+    const float aside = canvas.high(0.24f);
+    float x = anchor->x + (anchor->x < 0.5f * size.x ? -aside : aside);
+    if (x < least.x || x > most.x) x = anchor->x + (x < least.x ? aside : -aside);
+    return glm::clamp(glm::vec2(x, anchor->y), least, glm::max(least, most));
+}
+
+void draw_hint(const UiCanvas& canvas, const DemoGuidance& guidance, glm::vec2 middle,
+               glm::vec3 color) {
+    const auto shown = static_cast<float>(std::clamp(guidance.shown_s / kFadeS, 0.0, 1.0));
+    const float half = canvas.high(kOutline), width = canvas.high(kLine);
+    canvas.disc(middle, 1.42f * half, {0.02f, 0.02f, 0.05f, 0.55f * shown});
+    canvas.ring(middle, 1.42f * half, {glm::vec3(1), 0.25f * shown}, 0.5f * width);
+    if (guidance.progress > 0.01) {
+        canvas.part_ring(middle, 1.42f * half, static_cast<float>(guidance.progress),
+                         {color, shown}, 1.2f * width);
+    }
+    for (const OutlineLine& line :
+         gesture_outline(guidance.hint, guidance.hand, guidance.shown_s)) {
+        std::vector<glm::vec2> points;
+        points.reserve(line.points.size());
+        for (const glm::vec2& p : line.points) points.push_back(middle + half * p);
+        const glm::vec4 shade(color, shown * line.strength);
+        if (line.filled) {
+            canvas.filled(points, shade);
+        } else {
+            canvas.line(points, shade, width);
+        }
+    }
+    canvas.words(hint_words(guidance.hint),
+                 middle + glm::vec2(0, 1.42f * half + canvas.high(0.05f)),
+                 canvas.high(kGuidanceWords), kWhite * glm::vec4(1, 1, 1, shown));
+}
+
+/// Bright at once, then wider and fainter.
+void draw_praise(const UiCanvas& canvas, const DemoGuidance& guidance, glm::vec2 at,
+                 glm::vec3 color) {
+    const auto part = static_cast<float>(guidance.praised_ago_s / kPraiseS);
+    const float fading = 1 - part, half = canvas.high(kOutline);
+    canvas.disc(at, half * (0.35f + 0.4f * part), {color, 0.75f * fading * fading});
+    canvas.ring(at, half * (0.5f + 1.6f * part), {glm::vec3(1), fading},
+                canvas.high(1.6f * kLine) * fading);
+    canvas.words(praise_words(guidance.praised), at - glm::vec2(0, half * (1.5f + part)),
+                 canvas.high(1.2f * kGuidanceWords), {1, 1, 1, fading});
+}
+
+}  // namespace
+
+bool says_anything(const DemoGuidance& guidance) {
+    return guidance.hint != DemoHint::none || praises(guidance);
+}
+
+void draw_guidance(const UiCanvas& canvas, const View& view, const DemoGuidance& guidance,
+                   glm::vec3 color) {
+    const std::optional<glm::vec2> anchor = anchor_px(canvas, view, guidance);
+    const glm::vec2 middle = place_of(canvas, anchor);
+    if (guidance.hint != DemoHint::none) draw_hint(canvas, guidance, middle, color);
+    if (praises(guidance)) {
+        draw_praise(canvas, guidance,
+                    anchor.value_or(glm::vec2(0.5f * canvas.size().x, 0.45f * canvas.size().y)),
+                    color);
+    }
+}
+
+}  // namespace kino
