@@ -67,19 +67,28 @@ BufferId add_skinning(FrameGraph& graph, const MeshTable& table, BufferId vertic
             skinned = b.write(skinned, Use::compute_write);
         },
         [=, skins = table.skins, out = skinned](PassContext& c) {
-            gpu::PipelineDesc desc;
-            desc.name = "meshes/skin";
-            desc.compute = kSkinCode;
-            desc.bindings = {gpu::Binding::word_quads, gpu::Binding::word_quads,
-                             gpu::Binding::storage, gpu::Binding::storage};
-            desc.push_bytes = sizeof(shared::MeshSkin);
-            if (!c.bind(desc,
-                        {c.bound(vertices), c.bound(weights), c.bound(joints), c.bound(out)})) {
-                return;
-            }
-            for (const shared::MeshSkin& skin : skins) {
-                c.commands().constants(skin);
-                c.commands().dispatch((skin.vertices + 63) / 64);
+            // A pipeline for each way of blending that the frame has.
+            for (const std::uint32_t blend : {KINO_SKIN_LINEAR, KINO_SKIN_DUAL}) {
+                if (std::none_of(skins.begin(), skins.end(),
+                                 [&](const auto& skin) { return skin.blend == blend; })) {
+                    continue;
+                }
+                gpu::PipelineDesc desc;
+                desc.name = blend == KINO_SKIN_DUAL ? "meshes/skin dual" : "meshes/skin";
+                desc.compute = kSkinCode;
+                desc.bindings = {gpu::Binding::word_quads, gpu::Binding::word_quads,
+                                 gpu::Binding::storage, gpu::Binding::storage};
+                desc.constants = {blend};
+                desc.push_bytes = sizeof(shared::MeshSkin);
+                if (!c.bind(desc,
+                            {c.bound(vertices), c.bound(weights), c.bound(joints), c.bound(out)})) {
+                    return;
+                }
+                for (const shared::MeshSkin& skin : skins) {
+                    if (skin.blend != blend) continue;
+                    c.commands().constants(skin);
+                    c.commands().dispatch((skin.vertices + 63) / 64);
+                }
             }
         });
     return skinned;

@@ -47,8 +47,9 @@ struct MeshSkin {
     uint source_first;  // vertex of the static pool: the bind pose
     uint target_first;  // vertex of the skinned pool
     uint weights_first;
-    uint joints_first;  // into the frame's matrices, three rows each
+    uint joints_first;  // row of the frame's joints; KINO_SKIN_*_ROWS each
     uint joints;
+    uint blend;  // KINO_SKIN_*
 };
 
 // What the culling pass counts.
@@ -84,6 +85,12 @@ static_assert(sizeof(kino::shared::MeshCull) == 80);
 // Culled draws stay with no instance, or the others move up in order.
 #define KINO_CULL_ZERO_INSTANCE 0u
 #define KINO_CULL_COMPACT 1u
+// How vertices follow their joints, and how many rows a joint has: three of its matrix, then the
+// quaternion (x, y, z, w) of its rotation.
+#define KINO_SKIN_LINEAR 0u
+#define KINO_SKIN_DUAL 1u
+#define KINO_SKIN_LINEAR_ROWS 3u
+#define KINO_SKIN_DUAL_ROWS 4u
 // Draws that one lane of the ordered compaction takes.
 #define KINO_CULL_RUN 32u
 #endif

@@ -6,6 +6,7 @@
 #include <glm/packing.hpp>
 
 #include "base/check.h"
+#include "viz/surface/joint_turn.h"
 
 namespace kino {
 namespace {
@@ -56,9 +57,11 @@ struct Sphere {
     double radius_m = 0;
 };
 
-/// Round a posed mesh: every vertex is a mean of where its joints take it, so it lies in the hull
-/// of the joints' spheres.
-Sphere posed_sphere(const PooledMesh& mesh, const std::vector<glm::mat4>& pose) {
+/// Round a posed mesh. Blended linearly, every vertex is a mean of where its joints take it, so it
+/// lies in the hull of the joints' spheres. Blended dual quaternions take it as far from any point
+/// as that mean of the distances over the length of the blended quaternion, which is at least the
+/// largest weight: a quarter.
+Sphere posed_sphere(const PooledMesh& mesh, const std::vector<glm::mat4>& pose, SkinBlend blend) {
     std::vector<Sphere> moved;
     glm::dvec3 low(INFINITY);
     glm::dvec3 high(-INFINITY);
@@ -77,6 +80,7 @@ Sphere posed_sphere(const PooledMesh& mesh, const std::vector<glm::mat4>& pose) 
     for (const Sphere& s : moved) {
         all.radius_m = std::max(all.radius_m, glm::length(s.center - all.center) + s.radius_m);
     }
+    if (blend == SkinBlend::dual_quaternion) all.radius_m *= 4;
     return all;
 }
 
@@ -152,7 +156,7 @@ MeshTable make_mesh_table(const Scene& scene, const View& view, const MeshPool& 
         if (mesh == nullptr) continue;
         const glm::dmat4 m = from_world * node.world_from_object;
         const bool posed = mesh->asset->skinned() && node.pose != nullptr && !node.pose->empty();
-        Sphere sphere = posed ? posed_sphere(*mesh, *node.pose)
+        Sphere sphere = posed ? posed_sphere(*mesh, *node.pose, node.skin)
                               : Sphere{mesh->asset->sphere_center, mesh->asset->sphere_radius_m};
         sphere.center = glm::dvec3(m * glm::dvec4(sphere.center, 1.0));
         sphere.radius_m *= largest_stretch(glm::dmat3(m));
@@ -186,6 +190,7 @@ MeshTable make_mesh_table(const Scene& scene, const View& view, const MeshPool& 
         std::uint32_t format = KINO_FORMAT_STATIC;
         std::uint32_t first = mesh->first_vertex;
         if (posed) {
+            const bool dual = node.skin == SkinBlend::dual_quaternion;
             format = KINO_FORMAT_SKINNED;
             first = table.skinned_vertices;
             table.skins.push_back(
@@ -194,9 +199,13 @@ MeshTable make_mesh_table(const Scene& scene, const View& view, const MeshPool& 
                  .target_first = first,
                  .weights_first = mesh->first_weight,
                  .joints_first = static_cast<std::uint32_t>(table.joint_rows.size()),
-                 .joints = static_cast<std::uint32_t>(node.pose->size())});
+                 .joints = static_cast<std::uint32_t>(node.pose->size()),
+                 .blend = dual ? KINO_SKIN_DUAL : KINO_SKIN_LINEAR});
             for (const glm::mat4& joint : *node.pose) {
                 for (int r = 0; r < 3; ++r) table.joint_rows.push_back(row_of(joint, r));
+                if (!dual) continue;
+                const glm::dquat turn = nearest_rotation(glm::dmat3(joint));
+                table.joint_rows.emplace_back(turn.x, turn.y, turn.z, turn.w);
             }
             table.skinned_vertices += mesh->vertices;
             KINO_CHECK_LT(table.skinned_vertices, 1u << KINO_FIRST_VERTEX_BITS);

@@ -25,7 +25,7 @@ constexpr std::uint32_t kAllKinds = ~0u;
 struct MeshTable {
     std::vector<shared::MeshDraw> rows;
     std::vector<shared::MeshSkin> skins;  ///< what must be skinned before
-    std::vector<glm::vec4> joint_rows;    ///< three a joint, rows of object_from_bind
+    std::vector<glm::vec4> joint_rows;    ///< KINO_SKIN_*_ROWS a joint, of object_from_bind
     std::uint32_t skinned_vertices = 0;
     std::uint32_t formats = 0;  ///< bit mask of KINO_FORMAT_*
     std::uint32_t refused = 0;  ///< nodes whose matrices are not finite
