@@ -6,7 +6,7 @@ namespace kino::demo {
 namespace {
 
 constexpr double kFadeS = 0.5, kPlayS = 0.4, kSwellS = 0.6;
-constexpr double kWatching = 0.022, kPlaying = 0.04, kSwelling = 2.4;
+constexpr double kWatching = 0.013, kPlaying = 0.024, kSwelling = 1.8;
 constexpr float kRadiusM = 0.8f;
 constexpr double kLeastLight = 1.0 / 256;
 /// Before the body, in stage axes, so that it lights what the camera sees.

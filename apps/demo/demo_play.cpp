@@ -64,7 +64,10 @@ const char* demo_hint_name(DemoHint hint) {
 DemoPlay::State::State(DemoOptions chosen)
     : options(std::move(chosen)),
       painter(options.seed),
-      ball_mesh(make_stage_shape(SceneShape::sphere, glm::dvec3(1))) {}
+      ball_mesh(make_stage_shape(SceneShape::sphere, glm::dvec3(1))) {
+    // Bodies are mirrored before anything else sees them.
+    if (options.avatar) avatars = std::make_unique<AvatarTroupe>(options.avatar, AvatarOptions{});
+}
 
 void DemoPlay::State::reset() {
     cast.clear();
@@ -73,6 +76,7 @@ void DemoPlay::State::reset() {
     painter.reset();
     balls = demo::Balls();
     aura.reset();
+    if (avatars) avatars->reset();
     throws.reset();
     turntable.reset();
     curtain.open();
@@ -84,7 +88,7 @@ void DemoPlay::State::reset() {
     acts[act].director->set_tint({});
     balls.set_solids(acts[act].solids);
     phase = DemoPhase::attract;
-    lost = placed = found_person = warm_ready = false;
+    lost = placed = found_person = following = warm_ready = false;
     time = 0;
     time_s = empty_s = flash = undrawn_s = 0;
     bodies = {};

@@ -11,10 +11,11 @@ namespace kino {
 namespace {
 
 // Ids of nodes; a stage's own are below the first (Director numbers from 1).
-constexpr std::uint32_t kPaintIds = 20000, kBallIds = 30000;
+constexpr std::uint32_t kPaintIds = 20000, kBallIds = 30000, kAvatarIds = 40000;
 static_assert(kPaintIds + demo::Painter::kIds <= kBallIds);
 
-constexpr double kPlaceEaseS = 0.3;
+constexpr double kPlaceEaseS = 0.35;
+constexpr double kFollowFromM = 0.35, kFollowToM = 0.06;
 constexpr float kBallIntensity = 0.55f, kBallRadiusM = 2.4f;
 constexpr double kFlashLight = 0.8;
 
@@ -44,6 +45,14 @@ void DemoPlay::State::find_place(const DemoMoment& moment) {
         stands = stands_to = place_about(middle, world_from_depth);
         placed = true;
     }
+    // Nobody plays yet: the stage goes along with whoever looks for a place.
+    const CastMember* one = phase == DemoPhase::invite ? member(ushered) : nullptr;
+    const auto under = one != nullptr && one->present ? place_under(*one, world_from_depth)
+                                                      : std::optional<Pose>();
+    if (!under) return;
+    const glm::dvec3 off = under->translation - stands_to.translation;
+    following = std::hypot(off.x, off.z) > (following ? kFollowToM : kFollowFromM);
+    if (following) stands_to = *under;
 }
 
 void DemoPlay::State::swap_act() {
@@ -90,6 +99,16 @@ void DemoPlay::State::run_stage(double dt_s, const DemoMoment&) {
                    .world_from_stage = stands,
                    .leads = &leads,
                    .other_lights = painter.lights() + aura.lights(cast.members())});
+    if (avatars) {
+        const Pose& stage = world_from_stage();
+        avatars->step(
+            {.dt_s = dt_s,
+             .bodies = &bodies,
+             .world_from_depth = world_from_depth,
+             .floor_y_m = found_person ? std::optional(stage.translation.y) : std::nullopt,
+             .middle_m = stage.translation,
+             .facing = stage.rotation * glm::dvec3(0, 0, 1)});
+    }
     if (!swapped) return;
     compose(warm, 1);
     warm_ready = true;
@@ -164,6 +183,7 @@ void DemoPlay::State::compose(Scene& out, double light) {
     }
     director.fill(out);
     out.live = live;
+    if (avatars) avatars->fill(out, kAvatarIds);
 
     const auto glow = static_cast<std::uint32_t>(out.materials.size() + 1);
     std::array<std::uint32_t, demo::Players::kMost> glow_of{};

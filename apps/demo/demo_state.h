@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "apps/avatar/avatar.h"
 #include "apps/demo/act.h"
 #include "apps/demo/aura.h"
 #include "apps/demo/balls.h"
@@ -37,6 +38,7 @@ struct DemoPlay::State {
     demo::Coach usher;  ///< of who has not waved yet
     std::uint32_t ushered = 0;
     demo::SurfaceMirror mirror;
+    std::unique_ptr<AvatarTroupe> avatars;  ///< null: none were asked for
 
     DemoPhase phase = DemoPhase::attract;
     bool lost = false;
@@ -49,6 +51,7 @@ struct DemoPlay::State {
     Pose world_from_depth;
     Pose stands, stands_to;  ///< world from stage
     bool placed = false, found_person = false;
+    bool following = false;  ///< the stage goes to where a visitor went
     std::vector<DemoEvent> events;
     DemoGuidance no_guidance;
 

@@ -7,7 +7,8 @@ namespace {
 
 constexpr double kFasterThanHand = 2.2;
 constexpr double kLift = 0.16;
-constexpr double kLeastWayM = 0.06;
+constexpr double kStretchS = 0.09;
+constexpr double kSlowestHandM_s = 0.25, kFastestHandM_s = 8;
 
 constexpr std::array<Joint, 2> kHands = {Joint::hand_left, Joint::hand_right};
 
@@ -40,26 +41,32 @@ std::optional<Throws::Thrown> Throws::of(std::uint32_t id, Joint hand, double to
         if (place.id != id || id == 0 || !place.known[side]) continue;
         took_s = std::isfinite(took_s) ? std::clamp(took_s, 0.12, 0.7) : 0.3;
         const Path& path = place.hands[side];
-        // The way from the farthest place of that time to where it is now.
-        glm::dvec3 way(0);
-        double since = took_s;
+        // Along the fastest stretch of that time: at its ends the hand rests.
+        glm::dvec3 fastest(0);
         const std::size_t kept = std::min(path.count, kSamples);
+        const auto sample = [&](std::size_t k) {
+            return path.samples[(path.count - 1 - k) % kSamples];
+        };
         for (std::size_t k = 0; k < kept; ++k) {
-            const auto& [at_s, at_m] = path.samples[(path.count - 1 - k) % kSamples];
-            if (time_s_ - at_s > took_s + kApartS) break;
-            const glm::dvec3 to_here = place.now[side] - at_m;
-            if (glm::length(to_here) > glm::length(way)) {
-                way = to_here;
-                since = std::max(time_s_ - at_s, 0.1);
+            const auto& [to_s, to_m] = sample(k);
+            if (time_s_ - to_s > took_s + kApartS) break;
+            for (std::size_t before = k + 1; before < kept; ++before) {
+                const auto& [from_s, from_m] = sample(before);
+                if (to_s - from_s < kStretchS) continue;
+                const glm::dvec3 speed = (to_m - from_m) / (to_s - from_s);
+                // Joints that jump are not hands.
+                const double fast = glm::length(speed);
+                if (fast > glm::length(fastest) && fast < kFastestHandM_s) fastest = speed;
+                break;
             }
         }
-        const double length = glm::length(way);
-        const bool moved = length > kLeastWayM;
-        glm::dvec3 direction = moved ? way / length : ahead;
+        const double hand_speed = glm::length(fastest);
+        const bool moved = hand_speed > kSlowestHandM_s;
+        glm::dvec3 direction = moved ? fastest / hand_speed : ahead;
         direction.y += kLift;
         direction = glm::normalize(direction);
         const double speed =
-            moved ? std::clamp(kFasterThanHand * length / since, kLeastM_s, kMostM_s) : kLeastM_s;
+            moved ? std::clamp(kFasterThanHand * hand_speed, kLeastM_s, kMostM_s) : kLeastM_s;
         if (!is_finite(place.now[side]) || !is_finite(direction)) return std::nullopt;
         return Thrown{.from_m = place.now[side], .speed_m_s = speed * direction};
     }

@@ -14,7 +14,7 @@ namespace kino::demo {
 /// limits; going round slowly by itself while nobody is there.
 class Turntable {
   public:
-    static constexpr double kMostYawRad = 1.2;  ///< the depth mesh of a person has no back
+    static constexpr double kMostYawRad = 0.95;  ///< the depth mesh of a person has no back
     static constexpr double kLeastZoom = 0.55, kMostZoom = 1.7;  ///< of the scene's own distance
 
     void reset() { *this = {}; }

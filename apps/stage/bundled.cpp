@@ -26,6 +26,7 @@ KINO_EMBED_SCENE("chair_room", "chair-room");
 KINO_EMBED_SCENE("torch", "torch");
 KINO_EMBED_SCENE("colonnade", "colonnade");
 KINO_EMBED_SCENE("glass", "glass");
+KINO_EMBED_SCENE("playroom", "playroom");
 
 #define KINO_SCENE(name)                       \
     extern "C" const char kino_scene_##name[]; \
@@ -36,6 +37,7 @@ KINO_SCENE(chair_room);
 KINO_SCENE(torch);
 KINO_SCENE(colonnade);
 KINO_SCENE(glass);
+KINO_SCENE(playroom);
 
 namespace kino {
 
@@ -47,7 +49,8 @@ std::vector<BundledScene> bundled_scenes() {
             {"chair-room", text(kino_scene_chair_room, kino_scene_chair_room_end)},
             {"torch", text(kino_scene_torch, kino_scene_torch_end)},
             {"colonnade", text(kino_scene_colonnade, kino_scene_colonnade_end)},
-            {"glass", text(kino_scene_glass, kino_scene_glass_end)}};
+            {"glass", text(kino_scene_glass, kino_scene_glass_end)},
+            {"playroom", text(kino_scene_playroom, kino_scene_playroom_end)}};
 }
 
 std::optional<BundledScene> bundled_scene(std::string_view name) {
