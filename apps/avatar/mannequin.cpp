@@ -40,12 +40,10 @@ double blend_distance(double a, double b, double k) {
     return std::min(a, b) - h * h * k * 0.25;
 }
 
-struct BoneName {
-    const char* name;
-    const char* parent;
-};
-
 /// The mannequin's joints, left side.
+/// How far joints reach into the flesh of their neighbours.
+constexpr double kSoftM = 0.03;
+
 struct Places {
     dvec3 hips{0, 0.955, 0}, spine{0, 1.085, 0}, chest{0, 1.235, -0.005}, neck{0, 1.425, -0.012};
     dvec3 head{0, 1.60, 0.012};
@@ -68,9 +66,10 @@ dvec3 mirrored(const dvec3& p, int side) {
     return {side == 0 ? p.x : -p.x, p.y, p.z};
 }
 
+/// A bone and about how much flesh it has: what a vertex is near to.
 struct SkinBone {
     int joint = 0;
-    dvec3 from, to;
+    Limb flesh;
 };
 
 class Builder {
@@ -78,7 +77,8 @@ class Builder {
     AvatarRig build();
 
   private:
-    int add_joint(const std::string& name, int parent, const dvec3& at, const dvec3& tip);
+    int add_joint(const std::string& name, int parent, const dvec3& at, const dvec3& tip,
+                  double radius_m, double wide = 1);
     void add_joints();
     void add_side(int side);
     void skin(MeshAsset& mesh, const std::function<bool(int)>& allowed) const;
@@ -94,7 +94,8 @@ class Builder {
     std::array<int, 2> hand_{}, foot_{};
 };
 
-int Builder::add_joint(const std::string& name, int parent, const dvec3& at, const dvec3& tip) {
+int Builder::add_joint(const std::string& name, int parent, const dvec3& at, const dvec3& tip,
+                       double radius_m, double wide) {
     MeshJoint joint;
     joint.name = name;
     joint.parent = parent;
@@ -104,7 +105,7 @@ int Builder::add_joint(const std::string& name, int parent, const dvec3& at, con
     const int index = static_cast<int>(rig_.joints.size());
     rig_.joints.push_back(joint);
     joint_m_.push_back(at);
-    bones_.push_back({index, at, tip});
+    bones_.push_back({index, {at, tip, radius_m, radius_m, 1, wide}});
     return index;
 }
 
@@ -116,21 +117,23 @@ void Builder::add_side(int side) {
         rig_.of_joint[static_cast<std::size_t>(left) + 4 * s] = joint;
     };
     const auto part = [](const dvec3& a, const dvec3& b) { return glm::mix(a, b, 0.5); };
-    const int collar = add_joint("collar" + end, chest_, at(at_.collar), at(at_.shoulder));
-    const int arm =
-        add_joint("upper_arm" + end, collar, at(at_.shoulder), at(part(at_.shoulder, at_.elbow)));
-    const int arm_twist =
-        add_joint("upper_arm_twist" + end, arm, at(part(at_.shoulder, at_.elbow)), at(at_.elbow));
-    const int fore = add_joint("forearm" + end, arm_twist, at(at_.elbow), at(at_.wrist));
-    const int wrist = add_joint("wrist" + end, fore, at(at_.wrist), at(at_.hand));
+    const int collar = add_joint("collar" + end, chest_, at(at_.collar), at(at_.shoulder), 0.05);
+    const int arm = add_joint("upper_arm" + end, collar, at(at_.shoulder),
+                              at(part(at_.shoulder, at_.elbow)), 0.05);
+    const int arm_twist = add_joint("upper_arm_twist" + end, arm, at(part(at_.shoulder, at_.elbow)),
+                                    at(at_.elbow), 0.043);
+    const int fore = add_joint("forearm" + end, arm_twist, at(at_.elbow), at(at_.wrist), 0.036);
+    const int wrist = add_joint("wrist" + end, fore, at(at_.wrist), at(at_.hand), 0.030);
     hand_[s] = add_joint("hand" + end, wrist, at(at_.hand),
-                         at(at_.hand + 0.09 * glm::normalize(at_.hand - at_.wrist)));
-    const int thigh = add_joint("thigh" + end, hips_, at(at_.hip), at(part(at_.hip, at_.knee)));
+                         at(at_.hand + 0.09 * glm::normalize(at_.hand - at_.wrist)), 0.030);
+    const int thigh =
+        add_joint("thigh" + end, hips_, at(at_.hip), at(part(at_.hip, at_.knee)), 0.082);
     const int thigh_twist =
-        add_joint("thigh_twist" + end, thigh, at(part(at_.hip, at_.knee)), at(at_.knee));
-    const int shin = add_joint("shin" + end, thigh_twist, at(at_.knee), at(at_.ankle));
-    const int ankle = add_joint("ankle" + end, shin, at(at_.ankle), at(at_.toes));
-    foot_[s] = add_joint("foot" + end, ankle, at(at_.toes), at(at_.toes + dvec3(0, 0, 0.05)));
+        add_joint("thigh_twist" + end, thigh, at(part(at_.hip, at_.knee)), at(at_.knee), 0.064);
+    const int shin = add_joint("shin" + end, thigh_twist, at(at_.knee), at(at_.ankle), 0.052);
+    const int ankle = add_joint("ankle" + end, shin, at(at_.ankle), at(at_.toes), 0.036);
+    foot_[s] =
+        add_joint("foot" + end, ankle, at(at_.toes), at(at_.toes + dvec3(0, 0, 0.05)), 0.032);
     map(Joint::shoulder_left, arm);
     map(Joint::elbow_left, fore);
     map(Joint::wrist_left, wrist);
@@ -146,11 +149,11 @@ void Builder::add_joints() {
     const auto map = [&](Joint joint, int index) {
         rig_.of_joint[static_cast<std::size_t>(joint)] = index;
     };
-    hips_ = add_joint("hips", -1, at_.hips, at_.spine);
-    spine_ = add_joint("spine", hips_, at_.spine, at_.chest);
-    chest_ = add_joint("chest", spine_, at_.chest, at_.neck);
-    neck_ = add_joint("neck", chest_, at_.neck, glm::mix(at_.neck, at_.head, 0.5));
-    head_ = add_joint("head", neck_, at_.head, at_.head + dvec3(0, 0.1, 0));
+    hips_ = add_joint("hips", -1, at_.hips, at_.spine, 0.108, 1.34);
+    spine_ = add_joint("spine", hips_, at_.spine, at_.chest, 0.100, 1.28);
+    chest_ = add_joint("chest", spine_, at_.chest, glm::mix(at_.chest, at_.neck, 0.6), 0.104, 1.40);
+    neck_ = add_joint("neck", chest_, at_.neck, glm::mix(at_.neck, at_.head, 0.45), 0.050);
+    head_ = add_joint("head", neck_, at_.head, at_.head + dvec3(0, 0.06, 0), 0.082);
     map(Joint::hip_center, hips_);
     map(Joint::spine, spine_);
     map(Joint::shoulder_center, neck_);
@@ -158,8 +161,8 @@ void Builder::add_joints() {
     for (int side = 0; side < 2; ++side) add_side(side);
 }
 
-/// Up to four bones a vertex by how near they are: weights fall as the fourth power of the ratio
-/// to the nearest one, so that the middle of a bone is rigid and joints are soft.
+/// Up to four bones a vertex by how near their flesh is: weights fall as a power of the distance,
+/// so that the middle of a bone is rigid and joints are soft.
 void Builder::skin(MeshAsset& mesh, const std::function<bool(int)>& allowed) const {
     for (const glm::vec3& position : mesh.positions) {
         const dvec3 p(position);
@@ -167,12 +170,9 @@ void Builder::skin(MeshAsset& mesh, const std::function<bool(int)>& allowed) con
         for (const SkinBone& bone : bones_) {
             if (!allowed(bone.joint)) continue;
             // A limb holds nothing across the middle.
-            const double x = 0.5 * (bone.from.x + bone.to.x);
+            const double x = 0.5 * (bone.flesh.a.x + bone.flesh.b.x);
             if (x * p.x < 0 && std::abs(x) > 0.01) continue;
-            const dvec3 line = bone.to - bone.from;
-            const double t =
-                std::clamp(glm::dot(p - bone.from, line) / glm::dot(line, line), 0.0, 1.0);
-            near.emplace_back(glm::length(p - bone.from - line * t), bone.joint);
+            near.emplace_back(limb_distance(bone.flesh, p), bone.joint);
         }
         std::sort(near.begin(), near.end());
         near.resize(std::min<std::size_t>(near.size(), 4));
@@ -182,9 +182,9 @@ void Builder::skin(MeshAsset& mesh, const std::function<bool(int)>& allowed) con
         const double floor = near.size() == 4 ? near.back().first : 1e9;
         for (std::size_t k = 0; k < near.size(); ++k) {
             joints[k] = static_cast<std::uint16_t>(near[k].second);
-            const double ratio = (near[0].first + 0.012) / (near[k].first + 0.012);
-            const double least = (near[0].first + 0.012) / (floor + 0.012);
-            weights[static_cast<int>(k)] = std::max(std::pow(ratio, 6) - std::pow(least, 6), 0.0);
+            const double ratio = kSoftM / (near[k].first - near[0].first + kSoftM);
+            const double least = kSoftM / (floor - near[0].first + kSoftM);
+            weights[static_cast<int>(k)] = std::max(std::pow(ratio, 4) - std::pow(least, 4), 0.0);
         }
         if (!(weights.x > 0)) weights = {1, 0, 0, 0};
         weights /= weights.x + weights.y + weights.z + weights.w;
@@ -241,10 +241,10 @@ AvatarRig Builder::build() {
             {.lobes = {{.kind = LobeKind::lambert}}}};
     };
     rig_.materials = {{.name = "skin",
-                       .base_color = {0.62f, 0.60f, 0.56f},
+                       .base_color = {0.26f, 0.29f, 0.33f},
                        .layers = layer(glm::vec3(0.04f), 0.45f)},
                       {.name = "shoes",
-                       .base_color = {0.035f, 0.10f, 0.16f},
+                       .base_color = {0.60f, 0.16f, 0.03f},
                        .layers = layer(glm::vec3(0.04f), 0.35f)},
                       {.name = "visor",
                        .base_color = {0.02f, 0.022f, 0.03f},
@@ -260,7 +260,7 @@ AvatarRig Builder::build() {
         }
         return d;
     };
-    add_part("body", polygonize(body, {-0.72, 0.0, -0.20}, {0.72, 1.80, 0.20}, 0.0225), 1,
+    add_part("body", polygonize(body, {-0.72, 0.0, -0.20}, {0.72, 1.80, 0.20}, 0.029), 1,
              [&](int joint) { return joint != foot_[0] && joint != foot_[1]; });
 
     const auto both = [](const std::vector<Limb>& left) {
@@ -278,7 +278,7 @@ AvatarRig Builder::build() {
     const auto sole = both(shoe);
     add_part("shoes",
              polygonize([&](const dvec3& p) { return std::max(sole(p), -p.y); },
-                        {-0.20, -0.02, -0.12}, {0.20, 0.15, 0.18}, 0.016),
+                        {-0.20, -0.02, -0.12}, {0.20, 0.15, 0.18}, 0.019),
              2, [&](int joint) {
                  const std::string& name = rig_.joints[static_cast<std::size_t>(joint)].name;
                  return name.starts_with("ankle") || name.starts_with("foot") ||
@@ -293,7 +293,7 @@ AvatarRig Builder::build() {
         {at_.hand, at_.hand + 0.085 * fore, 0.033, 0.020},
         {at_.wrist + 0.03 * fore + dvec3(0, 0, 0.02), at_.hand + 0.018 * fore + dvec3(0, 0, 0.052),
          0.018, 0.012}};
-    add_part("gloves", polygonize(both(glove), {-0.76, 0.84, -0.12}, {0.76, 1.12, 0.16}, 0.0155), 2,
+    add_part("gloves", polygonize(both(glove), {-0.76, 0.84, -0.12}, {0.76, 1.12, 0.16}, 0.018), 2,
              [&](int joint) {
                  const std::string& name = rig_.joints[static_cast<std::size_t>(joint)].name;
                  return name.starts_with("wrist") || name.starts_with("hand") ||

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <tuple>
 
 #include "apps/avatar/turns.h"
 #include "skeleton/synthetic/body_model.h"
@@ -261,15 +262,14 @@ void Retarget::solve_trunk(const BodyAim& aim, double dt_s, bool at_once) {
 
     for (int side = 0; side < 2; ++side) {
         // Collar bones, and the bones within the pelvis, which no joint of the rig turns.
-        for (const auto& [from, to, parent] :
-             {std::array{Joint::shoulder_center, sided(Joint::shoulder_left, side),
-                         Joint::shoulder_center},
-              std::array{Joint::hip_center, sided(Joint::hip_left, side), Joint::hip_center}}) {
+        for (const auto& [from, to, cone] :
+             {std::tuple{Joint::shoulder_center, sided(Joint::shoulder_left, side), 35 * kDegree},
+              std::tuple{Joint::hip_center, sided(Joint::hip_left, side), 15 * kDegree}}) {
             std::optional<glm::dquat> wanted;
-            const glm::dquat& t = turn_[index_of(parent)];
+            const glm::dquat& t = turn_[index_of(from)];
             if (const auto way = bone(aim, from, to)) {
-                wanted = swing(to, within_cone(glm::conjugate(t) * *way, rest.axis[index_of(to)],
-                                               45 * kDegree));
+                wanted =
+                    swing(to, within_cone(glm::conjugate(t) * *way, rest.axis[index_of(to)], cone));
             }
             settle(to, t, wanted, dt_s, at_once);
             place(to, turn_[index_of(to)]);
