@@ -29,6 +29,10 @@ void Commands::bind(const Pipeline& pipeline, std::span<const Bound> resources) 
             KINO_CHECK(resource.buffer != VK_NULL_HANDLE);
             buffers[i] = {resource.buffer, resource.offset, resource.bytes};
             write.pBufferInfo = &buffers[i];
+        } else if (kind == Binding::image) {
+            KINO_CHECK(resource.view != VK_NULL_HANDLE);
+            images[i] = {VK_NULL_HANDLE, resource.view, VK_IMAGE_LAYOUT_GENERAL};
+            write.pImageInfo = &images[i];
         } else if (kind != Binding::texture) {
             texels[i] = kind == Binding::words        ? resource.words
                         : kind == Binding::word_pairs ? resource.word_pairs

@@ -198,6 +198,8 @@ VkDescriptorType descriptor_type(Binding binding) {
             return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
         case Binding::texture:
             return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+        case Binding::image:
+            return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
         case Binding::words:
         case Binding::word_pairs:
         case Binding::word_quads:

@@ -22,7 +22,8 @@ enum class Binding : std::uint8_t {
     // each lane a branch and a load.
     words,
     word_pairs,
-    word_quads  ///< a uvec4 at a time
+    word_quads,  ///< a uvec4 at a time
+    image        ///< a texture made with `storage`, written texel by texel
 };
 [[nodiscard]] VkDescriptorType descriptor_type(Binding binding);
 

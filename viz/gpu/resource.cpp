@@ -78,9 +78,10 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
 }
 
 Result<Texture> Texture::create(Device& device, const std::string& name, VkExtent2D extent,
-                                VkFormat format, std::uint32_t samples) {
+                                VkFormat format, std::uint32_t samples, bool storage) {
     Texture texture;
     texture.samples_ = samples;
+    texture.storage_ = storage;
     texture.device_ = &device;
     texture.extent_ = extent;
     texture.format_ = format;
@@ -96,6 +97,7 @@ Result<Texture> Texture::create(Device& device, const std::string& name, VkExten
         .tiling = VK_IMAGE_TILING_OPTIMAL,
         .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                  VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                 static_cast<VkImageUsageFlags>(storage ? VK_IMAGE_USAGE_STORAGE_BIT : 0) |
                  static_cast<VkImageUsageFlags>(depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
                                                       : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)};
     KINO_VK_TRY(vkCreateImage(device.handle(), &create, nullptr, &texture.image_),
@@ -141,6 +143,7 @@ Texture& Texture::operator=(Texture&& other) noexcept {
     std::swap(extent_, other.extent_);
     std::swap(format_, other.format_);
     std::swap(samples_, other.samples_);
+    std::swap(storage_, other.storage_);
     return *this;
 }
 

@@ -62,7 +62,7 @@ class Texture {
     Texture() = default;
     [[nodiscard]] static Result<Texture> create(Device& device, const std::string& name,
                                                 VkExtent2D extent, VkFormat format,
-                                                std::uint32_t samples = 1);
+                                                std::uint32_t samples = 1, bool storage = false);
     ~Texture();
     Texture(Texture&& other) noexcept;
     Texture& operator=(Texture&& other) noexcept;
@@ -72,6 +72,8 @@ class Texture {
     [[nodiscard]] VkExtent2D extent() const { return extent_; }
     [[nodiscard]] VkFormat format() const { return format_; }
     [[nodiscard]] std::uint32_t samples() const { return samples_; }
+    /// Compute shaders may write single texels (Binding::image).
+    [[nodiscard]] bool storage() const { return storage_; }
     [[nodiscard]] VkDeviceSize bytes() const { return allocated_; }
     [[nodiscard]] bool empty() const { return image_ == VK_NULL_HANDLE; }
 
@@ -84,6 +86,7 @@ class Texture {
     VkExtent2D extent_{};
     VkFormat format_ = VK_FORMAT_UNDEFINED;
     std::uint32_t samples_ = 1;
+    bool storage_ = false;
 };
 
 [[nodiscard]] bool is_depth_format(VkFormat format);

@@ -88,14 +88,14 @@ Result<const gpu::Texture*> Executor::pooled_texture(const std::string& name,
         const gpu::Texture& texture = pooled->texture;
         if (!pooled->taken && texture.extent().width == desc.width &&
             texture.extent().height == desc.height && texture.format() == desc.format &&
-            texture.samples() == desc.samples) {
+            texture.samples() == desc.samples && texture.storage() == desc.storage) {
             pooled->taken = true;
             return &pooled->texture;
         }
     }
     auto pooled = std::make_unique<PooledTexture>();
     KINO_ASSIGN(pooled->texture, gpu::Texture::create(device_, name, {desc.width, desc.height},
-                                                      desc.format, desc.samples));
+                                                      desc.format, desc.samples, desc.storage));
     pooled->taken = true;
     textures_.push_back(std::move(pooled));
     return &textures_.back()->texture;

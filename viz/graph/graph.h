@@ -23,6 +23,7 @@ struct TextureDesc {
     std::uint32_t height = 0;
     VkFormat format = VK_FORMAT_UNDEFINED;
     std::uint32_t samples = 1;
+    bool storage = false;  ///< compute shaders write single texels (gpu::Binding::image)
     friend bool operator==(const TextureDesc&, const TextureDesc&) = default;
 };
 
