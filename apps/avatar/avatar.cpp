@@ -157,7 +157,9 @@ void AvatarTroupe::State::pose(Avatar& avatar) const {
     if (!retarget.placed()) return;
     const glm::dvec3 hips = retarget.joint_m()[0];
     const double in = kSmallest + (1 - kSmallest) * ease_between(0, kGrowS, avatar.age_s);
-    const double out = avatar.left ? 1 - ease_between(0, options.hand_over_s, avatar.left_s) : 1;
+    // One who comes back grows again from where it was.
+    const double out =
+        avatar.left_s > 0 ? 1 - ease_between(0, options.hand_over_s, avatar.left_s) : 1.0;
     avatar.size = in * out;
     // It grows out of the floor and shrinks into it.
     const glm::dvec3 foot(hips.x, avatar.floor_y_m, hips.z);
@@ -219,7 +221,7 @@ void AvatarTroupe::step(const AvatarMoment& moment) {
     for (const Seen& person : people) {
         if (person.place) {
             Avatar& avatar = *s.places[*person.place];
-            avatar.left_s = std::max(avatar.left_s - 2 * dt_s, 0.0);
+            avatar.left_s = std::max(avatar.left_s - dt_s, 0.0);
             avatar.age_s += dt_s;
             s.move(avatar, person.aim, moment, dt_s);
             continue;
