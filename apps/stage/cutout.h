@@ -8,10 +8,11 @@
 
 namespace kino {
 
-/// The depth of people alone: what is farther than `margin_m` before or behind the bones (twice
-/// that at the trunk, as far as hands reach), or aside of them, has no reading; and what lies below
-/// `floor_y_m` in the world. The version is the surface's own. Decided for blocks of 4 x 4 pixels
-/// by spheres along the bones, so edges towards things that people touch are rough.
+/// The depth of people alone: of what is within `margin_m` aside of and before the bones (more at
+/// the trunk, less along forearms) and little behind them, that which is connected with a bone from
+/// pixel to pixel without a jump. All else has no reading, nor has what lies below `floor_y_m` in
+/// the world. The version is the surface's own. What people touch is cut off at the margin, by
+/// blocks of 2 x 2 pixels.
 [[nodiscard]] std::shared_ptr<const DepthSurface> cut_out_people(const DepthSurface& surface,
                                                                  const BodyFrame& bodies,
                                                                  double margin_m,
