@@ -7,11 +7,14 @@
 #include <exception>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/bench/machine.h"
+#include "apps/bench/pages.h"
 #include "apps/bench/plot.h"
 #include "apps/bench/registry.h"
+#include "apps/bench/run_all.h"
 #include "apps/bench/table.h"
 
 namespace kino::bench {
@@ -25,6 +28,7 @@ struct Options {
     bool list = false;
     bool all = false;
     bool quick = false;
+    bool pages = false;
     std::string csv_file;
     std::string docs_folder;
     std::string peer;
@@ -38,7 +42,14 @@ void complain(const Error& error) {
 
 std::string command_text(int argc, char** argv) {
     std::string text = std::filesystem::path(argv[0]).filename().string();
-    for (int i = 1; i < argc; ++i) text += fmt::format(" {}", argv[i]);
+    for (int i = 1; i < argc; ++i) {
+        // Where the rows go besides says nothing about them.
+        if (std::string_view(argv[i]) == "--csv") {
+            ++i;
+            continue;
+        }
+        text += fmt::format(" {}", argv[i]);
+    }
     return text;
 }
 
@@ -90,6 +101,64 @@ bool run_entry(const Entry& entry, const Options& options, std::string& csv) {
     return good;
 }
 
+/// The folder of committed figures, and another for quick ones, which are not to be committed.
+constexpr const char* kDocs = "docs/accuracy";
+constexpr const char* kQuickDocs = "out/accuracy";
+constexpr double kMostMinutes = 40;
+constexpr double kMostQuickMinutes = 3;
+
+int finish(const Options& options, const std::string& csv, bool good) {
+    if (options.csv_file.empty()) {
+        fmt::print("{}", csv);
+    } else if (const auto written = write_text(options.csv_file, csv); !written) {
+        complain(written.error());
+        good = false;
+    }
+    return good ? 0 : kFailed;
+}
+
+int make_pages(const Options& options) {
+    const std::string folder = options.docs_folder.empty() ? kDocs : options.docs_folder;
+    if (const auto written = write_pages(folder); !written) {
+        complain(written.error());
+        return kFailed;
+    }
+    fmt::print(stderr, "written: {}/index.html\n", folder);
+    return 0;
+}
+
+int run_everything(Options options) {
+    if (options.docs_folder.empty()) options.docs_folder = options.quick ? kQuickDocs : kDocs;
+    std::error_code error;
+    std::filesystem::create_directories(options.docs_folder, error);
+    if (error) {
+        complain({"could not be made: " + error.message(), options.docs_folder, {}});
+        return kFailed;
+    }
+    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+    if (error) {
+        complain({"does not know its own file: " + error.message(), {}, {}});
+        return kFailed;
+    }
+    AllOptions all{.program = self.string(),
+                   .arguments = {"--docs", options.docs_folder},
+                   .most_minutes = options.quick ? kMostQuickMinutes : kMostMinutes,
+                   .quick = options.quick};
+    if (options.quick) all.arguments.push_back("--quick");
+    if (!options.peer.empty()) all.arguments.insert(all.arguments.end(), {"--peer", options.peer});
+    for (const std::string& folder : options.marked) {
+        all.arguments.insert(all.arguments.end(), {"--marked", folder});
+    }
+    std::vector<std::string_view> names;
+    for (const Entry& entry : entries()) names.push_back(entry.name);
+    const AllReport report = run_all(names, all);
+    for (const std::string& failed : report.failed) {
+        fmt::print(stderr, "kinoscope-bench: failed: {}\n", failed);
+    }
+    const bool paged = make_pages(options) == 0;
+    return finish(options, report.csv, paged && report.failed.empty());
+}
+
 int run(const Options& options) {
     if (options.list) {
         for (const Entry& entry : entries()) {
@@ -97,10 +166,9 @@ int run(const Options& options) {
         }
         return 0;
     }
+    if (options.all) return run_everything(options);
+    if (options.pages && options.names.empty()) return make_pages(options);
     std::vector<const Entry*> chosen;
-    if (options.all) {
-        for (const Entry& entry : entries()) chosen.push_back(&entry);
-    }
     for (const std::string& name : options.names) {
         const Entry* entry = find_entry(name);
         if (entry == nullptr) {
@@ -110,20 +178,15 @@ int run(const Options& options) {
         if (std::find(chosen.begin(), chosen.end(), entry) == chosen.end()) chosen.push_back(entry);
     }
     if (chosen.empty()) {
-        complain({"no bench named", {}, "name one, or use --all or --list"});
+        complain({"no bench named", {}, "name one, or use --all, --pages or --list"});
         return kWrongUsage;
     }
 
     bool good = true;
     std::string csv(csv_header());
     for (const Entry* entry : chosen) good = run_entry(*entry, options, csv) && good;
-    if (options.csv_file.empty()) {
-        fmt::print("{}", csv);
-    } else if (const auto written = write_text(options.csv_file, csv); !written) {
-        complain(written.error());
-        good = false;
-    }
-    return good ? 0 : kFailed;
+    if (options.pages) good = make_pages(options) == 0 && good;
+    return finish(options, csv, good);
 }
 
 }  // namespace
@@ -141,7 +204,11 @@ int main(int argc, char** argv) {
     app.footer("Exit status: 0 done, 1 an entry failed or a file could not be written, 2 usage.");
     app.add_option("NAME", options.names, "entries to run");
     app.add_flag("--list", options.list, "name the entries and end");
-    app.add_flag("--all", options.all, "run every entry");
+    app.add_flag("--all", options.all,
+                 "run every entry, each on its own, in 40 minutes at most (--quick: 3), and make "
+                 "the page of all; --docs is docs/accuracy if not given (--quick: out/accuracy)");
+    app.add_flag("--pages", options.pages,
+                 "make index.html of the tables in --docs (docs/accuracy) anew");
     app.add_flag("--quick", options.quick, "fewer repeats and cases");
     app.add_option("--csv", options.csv_file, "write the table to FILE instead")->type_name("FILE");
     app.add_option("--docs", options.docs_folder,

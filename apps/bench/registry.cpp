@@ -58,6 +58,10 @@ constexpr Entry kEntries[] = {
     {"forward-plus", "lights in lists against deferred, clustered, host lists and brute force",
      &bench_forward_plus},
 #endif
+#ifdef KINO_BENCH_GOVERNOR
+    {"governor", "the frame budget on a stage with disturbances, against fixed settings",
+     &bench_governor},
+#endif
     {"", "", &no_entry, {}},
 };
 }  // namespace

@@ -1,0 +1,58 @@
+#include "apps/bench/page_defaults.h"
+
+#include <algorithm>
+#include <array>
+
+namespace kino::bench {
+namespace {
+
+constexpr std::array kDefaultLevels = {
+    DefaultLevel{"codecs", "encode", "FFV1"},
+    DefaultLevel{"codecs", "decode", "FFV1"},
+    DefaultLevel{"filters", "spatial radius, px", "2"},
+    DefaultLevel{"filters", "temporal alpha", "0.15"},
+    DefaultLevel{"filters", "temporal sigmas", "4.5"},
+    DefaultLevel{"filters", "temporal persistence", "1"},
+    DefaultLevel{"filters", "holes gap, px", "8"},
+    DefaultLevel{"filters", "holes angle, degrees", "60"},
+    DefaultLevel{"filters", "holes edge, px", "3"},
+    DefaultLevel{"filters", "decimate factor", "2"},
+    DefaultLevel{"filters", "flying steps", "3"},
+    DefaultLevel{"filters", "chain", "none"},
+    DefaultLevel{"forward-plus", "way", "Forward+ 8 px 2.5D"},
+    DefaultLevel{"forward-plus", "tile px", "8"},
+    DefaultLevel{"forward-plus", "cells", "32"},
+    DefaultLevel{"forward-plus", "cell spacing", "linear"},
+    DefaultLevel{"framebuffer-lod", "r", "2", "fine-grained"},
+    DefaultLevel{"gestures", "thresholds, times the default", "1"},
+    DefaultLevel{"governor", "setting", "governor"},
+    DefaultLevel{"joint-filters", "times the default", "1"},
+    DefaultLevel{"lbvh", "traversal", "bit trail"},
+    DefaultLevel{"lbvh", "leaf triangles", "4"},
+    DefaultLevel{"lbvh", "mask", "half"},
+    DefaultLevel{"lbvh", "rays a pixel, half mask", "32"},
+    DefaultLevel{"raster", "path", "compute splat"},
+    DefaultLevel{"raster", "path", "compute mesh"},
+    DefaultLevel{"raster", "splat cap", "3 px"},
+    DefaultLevel{"raster", "light rate", "depth pixel"},
+    DefaultLevel{"registration", "path", "rig"},
+    DefaultLevel{"registration", "coverage", "nearest"},
+    DefaultLevel{"skeleton", "tracker", "as shipped"},
+    DefaultLevel{"vertex-pulling", "submission", "multi-draw, culled"},
+};
+
+}  // namespace
+
+std::span<const DefaultLevel> default_levels() {
+    return kDefaultLevels;
+}
+
+bool is_default_level(std::string_view bench, std::string_view knob, std::string_view level,
+                      std::string_view case_name) {
+    return std::any_of(kDefaultLevels.begin(), kDefaultLevels.end(), [&](const DefaultLevel& d) {
+        return d.bench == bench && d.knob == knob && d.level == level &&
+               case_name.find(d.only_case) != std::string_view::npos;
+    });
+}
+
+}  // namespace kino::bench
