@@ -77,7 +77,9 @@ void add_what_is_shown(CLI::App& app, const std::shared_ptr<ShowOptions>& option
                        : rig.error().to_string() + "\nor one of:\n" + list_of_avatars();
         })
         ->type_name("NAME|FILE|none");
-    app.add_flag("--body,!--no-body", options->live_body, "show the depth of people, default yes");
+    app.add_flag_function(
+        "--body,!--no-body", [options](std::int64_t count) { options->live_body = count > 0; },
+        "show the depth of people; default: unless an avatar stands for them");
     app.add_flag("--mirror,!--no-mirror", options->mirror, "as in a mirror, default yes");
     add_calibration_option(app, options->calibration);
     add_tracking_options(app, options->bodies);

@@ -12,6 +12,7 @@ constexpr float kOutline = 0.085f;  ///< half its size, as a part of the picture
 constexpr float kLine = 0.0085f;
 constexpr double kFadeS = 0.3;
 constexpr double kPraiseS = 0.7;
+constexpr double kFollowS = 0.5;
 constexpr glm::vec4 kWhite{1, 1, 1, 1};
 
 bool praises(const DemoGuidance& guidance) {
@@ -91,10 +92,18 @@ bool says_anything(const DemoGuidance& guidance) {
 }
 
 void draw_guidance(const UiCanvas& canvas, const View& view, const DemoGuidance& guidance,
-                   glm::vec3 color) {
+                   glm::vec3 color, double dt_s, GuidanceSpot& spot) {
     const std::optional<glm::vec2> anchor = anchor_px(canvas, view, guidance);
-    const glm::vec2 middle = place_of(canvas, anchor);
-    if (guidance.hint != DemoHint::none) draw_hint(canvas, guidance, middle, color);
+    if (guidance.hint == DemoHint::none) {
+        spot = {};
+    } else {
+        const glm::vec2 wanted = place_of(canvas, anchor);
+        const bool stays = spot.at && spot.hint == guidance.hint;
+        const auto part = static_cast<float>(stays ? -std::expm1(-dt_s / kFollowS) : 1);
+        spot.at = spot.at.value_or(wanted) + part * (wanted - spot.at.value_or(wanted));
+        spot.hint = guidance.hint;
+        draw_hint(canvas, guidance, *spot.at, color);
+    }
     if (praises(guidance)) {
         draw_praise(canvas, guidance,
                     anchor.value_or(glm::vec2(0.5f * canvas.size().x, 0.45f * canvas.size().y)),

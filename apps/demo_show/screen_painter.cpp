@@ -32,7 +32,7 @@ void ScreenPainter::prepare(const ShowScreen& screen, const View& view, double d
         context_->begin_picture(view.width, view.height, std::max(dt_s, 1e-3));
     }
     const bool empty = screen.empty();
-    if (!empty) draw_screen(UiCanvas(view.width, view.height), view, screen);
+    if (!empty) draw_screen(UiCanvas(view.width, view.height), view, screen, dt_s, spots_);
     ImDrawData& lists = context_->end_frame();
     if (empty) return;
     frame.overlay = [this, &lists](graph::FrameGraph& graph, graph::TextureId picture) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -32,6 +33,7 @@ class ScreenPainter {
     std::unique_ptr<UiContext> context_;
     std::unique_ptr<UiRenderer> ui_;
     bool has_window_;
+    std::array<GuidanceSpot, 2> spots_;
     std::optional<Error> trouble_;
 };
 

@@ -21,7 +21,8 @@ struct ShowOptions {
     BodyOptions bodies{.mode = BodyMode::on};
     std::vector<std::string> scenes;  ///< in the order of swiping; empty: those that suit
     std::string avatar = "none";      ///< as open_avatar() reads it
-    bool live_body = true;
+    std::optional<bool> live_body;    ///< empty: unless there is an avatar
+    [[nodiscard]] bool shows_body() const { return live_body.value_or(avatar == "none"); }
     bool mirror = true;
     std::optional<double> lod;  ///< fixed resizing of the light; empty: full, or as time asks for
     double target_ms = 1000.0 / 30;

@@ -4,7 +4,7 @@ namespace kino {
 
 Result<DemoPlay> make_play(const ShowOptions& options) {
     DemoOptions play{
-        .scenes = options.scenes, .live_body = options.live_body, .mirror = options.mirror};
+        .scenes = options.scenes, .live_body = options.shows_body(), .mirror = options.mirror};
     if (options.avatar != "none") {
         KINO_ASSIGN(play.avatar, open_avatar(options.avatar));
     }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "apps/demo_show/guidance_overlay.h"
 #include "apps/demo_show/show_keys.h"
 #include "apps/demo_show/ui_canvas.h"
 
@@ -18,8 +17,8 @@ constexpr double kSceneNameS = 2.5;
 
 void draw_banner(const UiCanvas& canvas, const std::string& words) {
     const float height = canvas.high(0.052f), middle = canvas.high(0.065f);
-    const float half = std::min(0.5f * canvas.width_of(words, height), 0.48f * canvas.size().x) +
-                       canvas.high(0.04f);
+    const float half = std::min(0.5f * canvas.width_of(words, height) + canvas.high(0.04f),
+                                0.5f * canvas.size().x);
     const float x = 0.5f * canvas.size().x, tall = canvas.high(0.045f);
     canvas.plate({x - half, middle - tall}, {x + half, middle + tall}, kPlate, tall);
     canvas.words(words, {x, middle}, height, kWhite);
@@ -82,7 +81,8 @@ bool ShowScreen::empty() const {
            stats.empty() && !shows_scene_name(*this);
 }
 
-void draw_screen(const UiCanvas& canvas, const View& view, const ShowScreen& screen) {
+void draw_screen(const UiCanvas& canvas, const View& view, const ShowScreen& screen, double dt_s,
+                 std::array<GuidanceSpot, 2>& spots) {
     if (screen.trouble) {
         draw_trouble(canvas, *screen.trouble);
     } else {
@@ -92,9 +92,11 @@ void draw_screen(const UiCanvas& canvas, const View& view, const ShowScreen& scr
                          canvas.high(0.07f), {1, 1, 1, std::min(1.0, 2 * left)});
         }
         for (std::size_t i = 0; i < screen.guidance.size(); ++i) {
-            if (screen.guidance[i] == nullptr) continue;
-            draw_guidance(canvas, view, *screen.guidance[i],
-                          kGuidanceColors[i % kGuidanceColors.size()]);
+            if (screen.guidance[i] == nullptr) {
+                spots[i] = {};
+                continue;
+            }
+            draw_guidance(canvas, view, *screen.guidance[i], kGuidanceColors[i], dt_s, spots[i]);
         }
     }
     if (!screen.banner.empty()) draw_banner(canvas, screen.banner);

@@ -1,17 +1,17 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/demo/demo_play.h"
+#include "apps/demo_show/guidance_overlay.h"
 #include "viz/output/ui/ui_context.h"
 #include "viz/output/ui/ui_renderer.h"
 #include "viz/scene/view.h"
 
 namespace kino {
-
-class UiCanvas;
 
 /// What is written over the picture.
 struct ShowScreen {
@@ -22,8 +22,8 @@ struct ShowScreen {
         std::string what, remedy;
     };
     std::optional<Trouble> trouble;
-    std::vector<const DemoGuidance*> guidance;  ///< of one person each; null: none
-    std::string scene_name;                     ///< shown for a moment after a change
+    std::array<const DemoGuidance*, 2> guidance{};  ///< of one person each; null: none
+    std::string scene_name;                         ///< shown for a moment after a change
     double scene_name_shown_s = 1e9;
     bool keys = false;
     std::string note;                ///< at the lower left
@@ -33,7 +33,9 @@ struct ShowScreen {
     [[nodiscard]] bool empty() const;
 };
 
-/// Draws the screen within a frame of the UiContext.
-void draw_screen(const UiCanvas& canvas, const View& view, const ShowScreen& screen);
+/// Draws the screen within a frame of the UiContext, `dt_s` after the last. `spots`: of the two
+/// people's guidance, kept from picture to picture.
+void draw_screen(const UiCanvas& canvas, const View& view, const ShowScreen& screen, double dt_s,
+                 std::array<GuidanceSpot, 2>& spots);
 
 }  // namespace kino

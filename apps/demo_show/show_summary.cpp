@@ -65,7 +65,7 @@ Json to_json(const ShowSummary& s) {
               {"licence", s.source.licence},
               {"scenes", s.options.scenes},
               {"avatar", s.options.avatar},
-              {"body", s.options.live_body},
+              {"body", s.options.shows_body()},
               {"mirror", s.options.mirror},
               {"lod", s.options.lod.value_or(1)},
               {"frames", s.frames},

@@ -67,5 +67,14 @@ TEST_F(WindowTest, SteppedAndSeveralSources) {
     EXPECT_THAT(result.err, testing::Not(HasSubstr("vulkan:"))) << result.err;
 }
 
+TEST_F(WindowTest, DemoWithoutASensorPlaysItsPerformance) {
+    const ProgramResult result = run({"demo", "--frames", "25", "--size", "320x180", "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("vulkan:"))) << result.err;
+    const auto report = nlohmann::json::parse(result.out);
+    EXPECT_EQ(report["pictures"], 25);
+    EXPECT_GT(report["first_picture_ms"], 0);
+}
+
 }  // namespace
 }  // namespace kino
