@@ -29,6 +29,8 @@ struct FileSkeleton {
     std::vector<int> bone_of_node;  ///< the node's own bone, or the nearest above; -1: none
     std::vector<glm::dmat4> model_from_node;
     bool bind_pose = true;  ///< rest is what inverse bind matrices say; false: where nodes are
+    /// About how the file itself stands the bind pose up: what its first joint does at rest.
+    glm::dmat3 model_from_bind{1};
 };
 
 FileSkeleton skeleton_of(const GltfModel& model) {
@@ -43,6 +45,9 @@ FileSkeleton skeleton_of(const GltfModel& model) {
             out.bone_of_node[node] = static_cast<int>(out.bones.size());
             out.bones.push_back({model.nodes[node].name, static_cast<int>(node), {}});
             const glm::dmat4 bind(skin.joints[j].joint_from_bind);
+            if (out.bones.size() == 1) {
+                out.model_from_bind = glm::dmat3(out.model_from_node[node] * bind);
+            }
             model_from_bone[node] = std::abs(glm::determinant(bind)) > 1e-30
                                         ? glm::inverse(bind)
                                         : out.model_from_node[node];
@@ -224,7 +229,16 @@ Result<AvatarRig> rig_of_model(const GltfModel& model, const std::string& where)
     if (file.bones.empty() || file.bones.size() > 4096) {
         return fail(fmt::format("{} bones", file.bones.size()), where, "1 to 4096 can be used");
     }
-    KINO_ASSIGN(const auto of_bone, recognize_bones(file.bones, where, rig.notes));
+    for (const FileBone& bone : file.bones) {
+        if (!(glm::dot(bone.at, bone.at) < 1e12)) {
+            return fail("bone " + bone.name + " is nowhere", where, "its matrix is not a place");
+        }
+    }
+    std::vector<FileBone> standing = file.bones;
+    if (file.bind_pose) {
+        for (FileBone& bone : standing) bone.at = file.model_from_bind * bone.at;
+    }
+    KINO_ASSIGN(const auto of_bone, recognize_bones(standing, where, rig.notes));
     const glm::dquat upright = upright_from_file(file, of_bone);
     if (angle_of(upright) > 1e-3) rig.notes.push_back("turned to stand upright and face +z");
     mend_parents(file, of_bone, rig.notes);
