@@ -12,6 +12,7 @@ constexpr double kSpacingM = 0.03;
 constexpr double kPaletteM = 2.4;  // of way for once through the palette
 constexpr double kStrokeM = 0.02;
 constexpr float kTrailIntensity = 0.03f, kTrailRadiusM = 0.55f;
+constexpr float kShare = 80;
 constexpr float kSparkIntensity = 0.05f, kSparkRadiusM = 0.6f;
 constexpr double kSparkM = 0.032;
 constexpr double kTailPart = 0.15;  // the oldest of a full trail fades
@@ -43,7 +44,8 @@ Painter::Painter(std::uint64_t seed)
       bead_(make_bead()) {}
 
 void Painter::reset() {
-    for (Trail& trail : trails_) trail.clear();
+    // Anew, for numbers of points begin at 0 again.
+    for (Trail& trail : trails_) trail = new_trail();
     painted_m_ = {};
     sparks_ = {};
     next_spark_ = 0;
@@ -154,6 +156,8 @@ void Painter::fill(Scene& scene, std::uint32_t first_id, std::span<const Colors>
     for (std::size_t i = 0; i < trails_.size(); ++i) {
         const Trail& trail = trails_[i];
         const Colors& own = colors[i / 2];
+        // Many lights near each other share what few have, or whoever paints would be burnt out.
+        const float share = kTrailIntensity / (1 + static_cast<float>(trail.size()) / kShare);
         for (std::size_t k = 0; k < trail.size(); ++k) {
             const TrailPoint& point = trail.newest(k);
             const double left = 1 - (time_s_ - point.born_s) / kLifeS;
@@ -162,8 +166,7 @@ void Painter::fill(Scene& scene, std::uint32_t first_id, std::span<const Colors>
             const double weight = smooth(left) * smooth(tail);
             if (weight < kLeast) continue;
             const double rounds = point.way_m / kPaletteM;
-            add_light(point.world_m,
-                      own.along(rounds) * (kTrailIntensity * static_cast<float>(weight)),
+            add_light(point.world_m, own.along(rounds) * (share * static_cast<float>(weight)),
                       kTrailRadiusM);
             if (!point.joined || k + 1 >= trail.size()) continue;
             const double width = kStrokeM * std::sqrt(weight);

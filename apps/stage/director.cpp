@@ -78,6 +78,14 @@ std::uint32_t ids_of(const SceneRole& role, const StageProp& prop) {
 Director::Director(StageSet stage) : stage_(std::move(stage)) {
     for (SceneRole& role : stage_.file.roles) role.joints = joints_of(role);
     for (const SceneSwarm& swarm : stage_.file.swarms) swarms_.emplace_back(swarm);
+    reset();
+}
+
+void Director::reset() {
+    cast_.clear();
+    tint_.reset();
+    swarm_colors_.clear();
+    role_colors_.clear();
     const auto linear = [](const std::vector<SceneColor>& palette) {
         std::vector<glm::vec3> colors;
         for (const SceneColor& color : palette) colors.push_back(to_linear(color));
@@ -87,11 +95,6 @@ Director::Director(StageSet stage) : stage_(std::move(stage)) {
         swarm_colors_.push_back(linear(swarm.palette));
     }
     for (const SceneRole& role : stage_.file.roles) role_colors_.push_back(linear(role.palette));
-    reset();
-}
-
-void Director::reset() {
-    cast_.clear();
     world_from_stage_.reset();
     found_person_ = false;
     time_s_ = 0;
