@@ -57,9 +57,10 @@ int lod_texel(int j, int fine, int coarse) {
 }
 
 glm::dvec3 lod_reconstruct(const Image<LodSample>& coarse, const Image<LodPixel>& fine, int x,
-                           int y, const LodRules& rules) {
+                           int y, const LodRules& rules, double* doubt_bits) {
     const LodPixel& pixel = fine.at(x, y);
     const bool depth_counts = std::isfinite(rules.sigma_z);
+    if (doubt_bits != nullptr) *doubt_bits = 0;
     if (depth_counts && !pixel.covered) return pixel.own;
     const double z = pixel.z > 0 ? pixel.z : 1.0;
     const auto ray = [&](double px, double py) {
@@ -104,6 +105,7 @@ glm::dvec3 lod_reconstruct(const Image<LodSample>& coarse, const Image<LodPixel>
         sum += weight * coarse.at(around[k].x, around[k].y).light;
         weights += weight;
     }
+    if (doubt_bits != nullptr) *doubt_bits = least / std::log(2.0) - std::log2(weights);
     const glm::dvec3 light = sum / weights;
     return rules.fine_grained ? light * pixel.own : light;
 }

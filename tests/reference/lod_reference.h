@@ -49,10 +49,11 @@ constexpr double kNoSigma = std::numeric_limits<double>::infinity();
 /// Fine texel that it is made from.
 [[nodiscard]] int lod_texel(int j, int fine, int coarse);
 
-/// The reconstructed linear colour of fine pixel (x, y).
+/// The reconstructed linear colour of fine pixel (x, y). `doubt_bits` becomes -log2 of its
+/// confidence, the sum of the weights; 0 where there is nothing.
 [[nodiscard]] glm::dvec3 lod_reconstruct(const Image<LodSample>& coarse,
                                          const Image<LodPixel>& fine, int x, int y,
-                                         const LodRules& rules);
+                                         const LodRules& rules, double* doubt_bits = nullptr);
 
 /// Plain bilinear resizing at (x, y).
 [[nodiscard]] glm::dvec3 lod_bilinear(const Image<LodSample>& coarse, int fine_width,

@@ -9,6 +9,7 @@
 #include "viz/light/blended_pass.h"
 #include "viz/light/emission_pass.h"
 #include "viz/light/forward_pass.h"
+#include "viz/light/shade_list.h"
 
 namespace kino {
 
@@ -39,8 +40,10 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     const SpawnedLights bounces = add_bounces(graph, scene, view, parts, options);
     std::optional<CoarseSurface> coarse;
     if (options.lod) coarse = add_coarse_surface(graph, surface, view, *options.lod);
-    // Fewer tiles where nobody walks the lists for finer pixels.
-    const bool coarse_lists = coarse && (opaque_kinds(scene) & kForwardKinds) == 0;
+    // Fewer tiles where nobody walks the lists for finer pixels. Tiles know only the depths that
+    // they were made from.
+    const bool fixes = coarse && wants_fixes(*options.lod);
+    const bool coarse_lists = coarse && !fixes && (opaque_kinds(scene) & kForwardKinds) == 0;
     stage.lists = coarse_lists
                       ? add_light_lists(graph, scene, coarse->view, coarse->surface.view_z,
                                         options.lists, bounces)
@@ -63,7 +66,13 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     };
     if (coarse) {
         stage.linear = add_reconstruction(graph, shade(coarse->surface, coarse->view), *coarse,
-                                          surface, view, *options.lod);
+                                          surface, view, *options.lod, &stage.fixed);
+        if (stage.fixed.valid()) {
+            stage.linear = add_shade_list(
+                graph, scene, view,
+                {.surface = surface, .lists = stage.lists, .emission = !emits_apart},
+                {stage.fixed.pixels, stage.fixed.state, stage.fixed.cap}, stage.linear);
+        }
         // What is drawn over it needs it; else the last pass adds it on the way.
         const bool drawn_over = wants_blended(scene) || (opaque_kinds(scene) & kForwardKinds) != 0;
         if (emits_apart && !drawn_over) {

@@ -41,6 +41,7 @@ struct Stage {
     SurfaceTargets surface;
     graph::TextureId depth;  ///< kDepthFormat; invalid without meshes
     LightLists lists;
+    LodFixList fixed;  ///< valid: pixels of a coarse picture that were shaded anew
 };
 
 /// What is on the device for a stage, brought up to date for this frame's scene.

@@ -34,7 +34,15 @@ struct FramebufferLodOptions {
     /// Tiles whose coarse neighbours differ by less than this many sigmas are resized without
     /// guides; 0: every pixel is weighed. Packed only.
     float flat_tolerance = 0.5f;
+    /// At most this share of the picture's pixels is listed for shading at full rate, those that no
+    /// coarse pixel resembles; 0: none, and nothing is spent on it. Geometry-aware only.
+    float fix_share = 0;
+    /// Pixels less confident than this are listed; in (0, 1).
+    float fix_confidence = 0.05f;
 };
+
+/// True where pixels may be listed for shading at full rate.
+[[nodiscard]] bool wants_fixes(const FramebufferLodOptions& options);
 
 /// The coarse picture's size, ceil(fine / r), then even, and not below 64x48 nor above the fine
 /// one.
@@ -69,14 +77,27 @@ struct CoarseSurface {
                                                const View& view,
                                                const FramebufferLodOptions& options);
 
+/// Pixels to be shaded anew: the third pass of the source's outlook.
+struct LodFixList {
+    graph::BufferId pixels;  ///< y << 16 | x, in the order of rows; the same list every run
+    /// shared::LodFixState (lod_fix_shared.h): a dispatch of groups of 64 at byte 0, then the
+    /// count.
+    graph::BufferId state;
+    std::uint32_t cap = 0;  ///< most pixels
+    [[nodiscard]] bool valid() const { return pixels.valid(); }
+};
+
 /// Brings `coarse_linear` (RGBA16F, shaded from `coarse`) to the size of the fine surface: RGBA16F,
 /// alpha that of the fine albedo. With sigma_z finite, pixels whose albedo has alpha 0 (nothing
 /// there) keep their own colour, made linear. Every output is finite for every input. With the
-/// fine size: no pass, `coarse_linear` itself.
+/// fine size: no pass, `coarse_linear` itself. With `fix` and fix_share above 0, *fix becomes the
+/// list of pixels whose confidence, the sum of Eq. 1's weights, is below fix_confidence; the most
+/// doubtful of them where there are too many. The picture can then be written by compute shaders.
 [[nodiscard]] graph::TextureId add_reconstruction(graph::FrameGraph& graph,
                                                   graph::TextureId coarse_linear,
                                                   const CoarseSurface& coarse,
                                                   const SurfaceTargets& fine, const View& view,
-                                                  const FramebufferLodOptions& options);
+                                                  const FramebufferLodOptions& options,
+                                                  LodFixList* fix = nullptr);
 
 }  // namespace kino

@@ -16,7 +16,9 @@ layout(set = 0, binding = 5) uniform sampler2D normal;
 layout(set = 0, binding = 6) uniform usampler2D coarse_object;
 layout(set = 0, binding = 7) uniform usampler2D object;
 #endif
+layout(constant_id = 3) const uint kDoubt = 0u;
 layout(location = 0) out vec4 out_linear;
+layout(location = 1) out float out_doubt;
 
 // Eq. 1 of Yang, Sander, Lawrence 2008 with the packed coarse picture.
 void main() {
@@ -76,4 +78,8 @@ void main() {
     if (kFineGrained != 0u) light *= own;
     if (kKeepBackground != 0u && seen.a == 0.0) light = own;
     out_linear = vec4(light, seen.a);
+    if (kDoubt != 0u) {
+        bool own_color = kKeepBackground != 0u && seen.a == 0.0;
+        out_doubt = own_color ? 0.0 : doubt_of(e, tent(at.t));
+    }
 }

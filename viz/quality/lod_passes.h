@@ -5,6 +5,7 @@
 #include <span>
 
 #include "viz/graph/executor.h"
+#include "viz/quality/framebuffer_lod.h"
 #include "viz/scene/view.h"
 
 namespace kino {
@@ -16,5 +17,9 @@ constexpr int kLodTilePx = 16;
 [[nodiscard]] glm::vec4 lod_ray_scale(const View& view);
 /// coarse = fine * xy + zw, pixels, centres at integers.
 [[nodiscard]] glm::vec4 lod_coarse_of_fine(const View& fine, const View& coarse);
+
+/// Lists the doubtful pixels (`doubt`: R8, lod_fix_shared.h) of a picture of the view's size.
+[[nodiscard]] LodFixList add_fix_list(graph::FrameGraph& graph, graph::TextureId doubt,
+                                      const View& view, const FramebufferLodOptions& options);
 
 }  // namespace kino

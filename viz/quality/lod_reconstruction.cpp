@@ -45,6 +45,12 @@ constexpr std::uint32_t kLodWide[] = {
 constexpr std::uint32_t kLodWideObject[] = {
 #include "lod_wide_object_frag.inc"
 };
+constexpr std::uint32_t kLodFlatCheck[] = {
+#include "lod_flat_check_frag.inc"
+};
+constexpr std::uint32_t kLodFlatCheckObject[] = {
+#include "lod_flat_check_object_frag.inc"
+};
 constexpr std::uint32_t kLodClassify[] = {
 #include "lod_classify_comp.inc"
 };
@@ -56,6 +62,7 @@ constexpr std::uint32_t kLodRuns[] = {
 };
 
 constexpr VkFormat kLodLinearFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+constexpr VkFormat kDoubtFormat = VK_FORMAT_R8_UNORM;
 constexpr float kLn2 = 0.69314718f;
 
 /// Factor of a squared distance in the exponent to base 2; 0 for an infinite sigma.
@@ -71,6 +78,7 @@ struct Upsampling {
     CoarseSurface coarse;
     SurfaceTargets fine;
     TextureId out;
+    TextureId doubt;  ///< valid: pixels are to be listed
     FramebufferLodOptions options;
     shared::LodParams params;
     shared::LodTileParams tiles;
@@ -83,6 +91,16 @@ struct Upsampling {
 
     [[nodiscard]] bool keeps_background() const { return params.z_weight > 0; }
     [[nodiscard]] std::uint32_t tile_count() const { return tiles.tiles.x * tiles.tiles.y; }
+    /// Specialisation of the kernels that know guides.
+    [[nodiscard]] std::vector<std::uint32_t> guided_constants() const {
+        return {options.fine_grained ? 1u : 0u, keeps_background() ? 1u : 0u,
+                static_cast<std::uint32_t>(options.metric), doubt.valid() ? 1u : 0u};
+    }
+    [[nodiscard]] std::vector<VkFormat> formats() const {
+        std::vector<VkFormat> formats = {kLodLinearFormat};
+        if (doubt.valid()) formats.push_back(kDoubtFormat);
+        return formats;
+    }
 };
 
 gpu::PipelineDesc fragment_pipeline(const char* name, std::span<const std::uint32_t> fragment,
@@ -201,21 +219,21 @@ void draw_flat(PassContext& c, const Upsampling& up) {
     }
 }
 
-/// Eq. 1, over the whole picture or the runs with edges.
-void draw_edges(PassContext& c, const Upsampling& up) {
-    const bool runs = up.edge_runs.valid();
-    gpu::PipelineDesc desc =
-        fragment_pipeline(runs ? "lod/edge tiles" : "lod/edge",
-                          up.has_object ? std::span<const std::uint32_t>(kLodEdgeObject) : kLodEdge,
-                          up.has_object ? 8 : 6, sizeof(up.params));
+/// Draws with a kernel that compares guides, over the whole picture or the runs of one kind.
+void draw_guided(PassContext& c, const Upsampling& up, const char* name,
+                 std::span<const std::uint32_t> plain, std::span<const std::uint32_t> with_objects,
+                 BufferId rectangles, std::size_t command) {
+    const bool runs = rectangles.valid();
+    gpu::PipelineDesc desc = fragment_pipeline(name, up.has_object ? with_objects : plain,
+                                               up.has_object ? 8 : 6, sizeof(up.params));
+    if (runs) desc.name += " tiles";
     if (up.has_object) desc.name += " with objects";
     if (runs) desc.vertex = kLodRunsVertex;
     desc.bindings[0] = gpu::Binding::storage;
-    desc.constants = {up.options.fine_grained ? 1u : 0u, up.keeps_background() ? 1u : 0u,
-                      static_cast<std::uint32_t>(up.options.metric)};
-    desc.color_formats = {kLodLinearFormat};
+    desc.constants = up.guided_constants();
+    desc.color_formats = up.formats();
     std::vector<gpu::Bound> inputs = {
-        runs ? c.bound(up.edge_runs) : c.upload(&up.params, sizeof(up.params)),
+        runs ? c.bound(rectangles) : c.upload(&up.params, sizeof(up.params)),
         c.bound(up.light),
         c.bound(up.coarse.guide),
         c.bound(up.fine.albedo),
@@ -228,10 +246,21 @@ void draw_edges(PassContext& c, const Upsampling& up) {
     if (!c.bind(desc, inputs)) return;
     c.commands().constants(up.params);
     if (runs) {
-        c.commands().draw_indirect(c.buffer(up.draws), offsetof(shared::LodRuns, edge_vertices));
+        c.commands().draw_indirect(c.buffer(up.draws), command);
     } else {
         c.commands().draw(3);
     }
+}
+
+/// Eq. 1.
+void draw_edges(PassContext& c, const Upsampling& up) {
+    draw_guided(c, up, "lod/edge", kLodEdge, kLodEdgeObject, up.edge_runs,
+                offsetof(shared::LodRuns, edge_vertices));
+}
+
+/// Flat runs whose pixels are compared with what they get.
+void draw_flat_checked(PassContext& c, const Upsampling& up) {
+    draw_guided(c, up, "lod/flat checked", kLodFlatCheck, kLodFlatCheckObject, up.flat_runs, 0);
 }
 
 void draw_wide(PassContext& c, const Upsampling& up) {
@@ -239,9 +268,8 @@ void draw_wide(PassContext& c, const Upsampling& up) {
         "lod/wide", up.has_object ? std::span<const std::uint32_t>(kLodWideObject) : kLodWide,
         up.has_object ? 9 : 7, sizeof(up.params));
     if (up.has_object) desc.name += " with objects";
-    desc.constants = {up.options.fine_grained ? 1u : 0u, up.keeps_background() ? 1u : 0u,
-                      static_cast<std::uint32_t>(up.options.metric)};
-    desc.color_formats = {kLodLinearFormat};
+    desc.constants = up.guided_constants();
+    desc.color_formats = up.formats();
     const SurfaceTargets& coarse = up.coarse.surface;
     std::vector<gpu::Bound> inputs = {c.bound(up.linear),      c.bound(coarse.albedo),
                                       c.bound(coarse.view_z),  c.bound(coarse.normal),
@@ -276,10 +304,13 @@ Kernel kernel_of(const FramebufferLodOptions& options) {
 
 void add_up(FrameGraph& graph, Upsampling& up, Kernel kernel) {
     const auto execute = [up, kernel](PassContext& c) {
-        const std::array<gpu::Target, 1> targets = {{{.view = c.view(up.out)}}};
+        std::vector<gpu::Target> targets = {{.view = c.view(up.out)}};
+        if (up.doubt.valid()) targets.push_back({.view = c.view(up.doubt)});
         c.commands().begin_rendering({up.params.fine.x, up.params.fine.y}, targets, nullptr);
         if (kernel == Kernel::bilinear) draw_bilinear(c, up);
-        if (kernel == Kernel::flat || kernel == Kernel::tiles) draw_flat(c, up);
+        if (kernel == Kernel::flat || kernel == Kernel::tiles) {
+            up.doubt.valid() ? draw_flat_checked(c, up) : draw_flat(c, up);
+        }
         if (kernel == Kernel::edges || kernel == Kernel::tiles) draw_edges(c, up);
         if (kernel == Kernel::wide) draw_wide(c, up);
         c.commands().end_rendering();
@@ -314,6 +345,7 @@ void add_up(FrameGraph& graph, Upsampling& up, Kernel kernel) {
                 b.read(up.edge_runs, Use::vertex_read);
             }
             up.out = b.write(up.out, Use::color_attachment);
+            if (up.doubt.valid()) up.doubt = b.write(up.doubt, Use::color_attachment);
         },
         execute);
 }
@@ -322,7 +354,8 @@ void add_up(FrameGraph& graph, Upsampling& up, Kernel kernel) {
 
 graph::TextureId add_reconstruction(graph::FrameGraph& graph, graph::TextureId coarse_linear,
                                     const CoarseSurface& coarse, const SurfaceTargets& fine,
-                                    const View& view, const FramebufferLodOptions& options) {
+                                    const View& view, const FramebufferLodOptions& options,
+                                    LodFixList* fix) {
     if (coarse.view.width == view.width && coarse.view.height == view.height) return coarse_linear;
     const auto width = static_cast<std::uint32_t>(view.width);
     const auto height = static_cast<std::uint32_t>(view.height);
@@ -354,12 +387,16 @@ graph::TextureId add_reconstruction(graph::FrameGraph& graph, graph::TextureId c
                     kMost, options.flat_tolerance * ln_sigma * shared::kGuideStepsPerOctave / kLn2),
                 .normal_steps = std::min(
                     kMost, options.flat_tolerance * options.sigma_n * shared::kGuideNormalSteps)};
-    up.out = graph.create_texture("reconstructed, linear", {width, height, kLodLinearFormat});
+    const bool fixes = fix != nullptr && wants_fixes(options);
+    up.out =
+        graph.create_texture("reconstructed, linear", {width, height, kLodLinearFormat, 1, fixes});
+    if (fixes) up.doubt = graph.create_texture("doubt", {width, height, kDoubtFormat});
 
     const Kernel kernel = kernel_of(options);
     if (kernel != Kernel::bilinear && kernel != Kernel::wide) add_pack(graph, up);
     if (kernel == Kernel::tiles) add_tiles(graph, up);
     add_up(graph, up, kernel);
+    if (fixes) *fix = add_fix_list(graph, up.doubt, view, options);
     return up.out;
 }
 

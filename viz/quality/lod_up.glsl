@@ -1,3 +1,4 @@
+#include "viz/quality/lod_fix_shared.h"
 // Where a fine pixel lies among the coarse ones: the 2x2 around it and their tent weights.
 struct Footprint {
     ivec2 a;  // upper left and
@@ -25,4 +26,14 @@ vec4 range_weights(vec4 e, vec4 f) {
     vec4 counting = mix(vec4(1e30), e, greaterThanEqual(f, vec4(1e-3)));
     float least = min(min(counting.x, counting.y), min(counting.z, counting.w));
     return f * exp2(min(least - e, 0.0));
+}
+
+// Doubt of viz/quality/lod_fix_shared.h over 255, from the same distances: the confidence is the
+// sum of the weights before the least distance was taken off.
+float doubt_of(vec4 e, vec4 f) {
+    vec4 counting = mix(vec4(1e30), e, greaterThanEqual(f, vec4(1e-3)));
+    float least = min(min(counting.x, counting.y), min(counting.z, counting.w));
+    vec4 w = f * exp2(min(least - e, 0.0));
+    float bits = least - log2(w.x + w.y + w.z + w.w);
+    return min(round(kDoubtSteps * sqrt(max(bits, 0.0))), kMostDoubt) / 255.0;
 }

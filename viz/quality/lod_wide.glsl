@@ -18,7 +18,9 @@ layout(set = 0, binding = 6) uniform sampler2D normal;
 layout(set = 0, binding = 7) uniform usampler2D coarse_object;
 layout(set = 0, binding = 8) uniform usampler2D object;
 #endif
+layout(constant_id = 3) const uint kDoubt = 0u;
 layout(location = 0) out vec4 out_linear;
+layout(location = 1) out float out_doubt;
 
 const float kLeastTowards = 0.05;
 
@@ -69,4 +71,8 @@ void main() {
     if (kFineGrained != 0u) sum *= own;
     if (kKeepBackground != 0u && seen.a == 0.0) sum = own;
     out_linear = vec4(sum, seen.a);
+    if (kDoubt != 0u) {
+        bool own_color = kKeepBackground != 0u && seen.a == 0.0;
+        out_doubt = own_color ? 0.0 : doubt_of(e, tent(at.t));
+    }
 }

@@ -83,6 +83,24 @@ struct LodRig::Frame {
         graph.require(to);
         return &host;
     }
+
+    const gpu::Buffer* read_back(BufferId from) {
+        const std::uint64_t bytes = graph.resources()[from.index].buffer.bytes;
+        const gpu::Buffer& host = buffer(bytes, gpu::MemoryUse::readback);
+        BufferId to = graph.import_buffer("host", host);
+        graph.add_pass(
+            "rig/read", "rig",
+            [&](PassBuilder& b) {
+                b.read(from, Use::transfer_read);
+                to = b.write(to, Use::transfer_write);
+            },
+            [from, to, bytes](PassContext& c) {
+                const VkBufferCopy region{.size = bytes};
+                vkCmdCopyBuffer(c.commands().handle(), c.buffer(from), c.buffer(to), 1, &region);
+            });
+        graph.require(to);
+        return &host;
+    }
 };
 
 LodScene plain_scene(int width, int height) {
@@ -159,10 +177,14 @@ LodResult LodRig::run(const LodScene& scene, const FramebufferLodOptions& option
         }
     }
     const TextureId shaded = frame.texture(linear, VK_FORMAT_R16G16B16A16_SFLOAT);
-    const TextureId out = add_reconstruction(graph, shaded, coarse, fine, scene.view, options);
+    LodFixList fix;
+    const TextureId out =
+        add_reconstruction(graph, shaded, coarse, fine, scene.view, options, &fix);
     result.direct = result.direct && out.index == shaded.index;
 
     const gpu::Buffer* picture = frame.read_back(out, 8);
+    const gpu::Buffer* fixed = fix.valid() ? frame.read_back(fix.pixels) : nullptr;
+    const gpu::Buffer* fix_state = fix.valid() ? frame.read_back(fix.state) : nullptr;
     const gpu::Buffer* albedo = frame.read_back(coarse.surface.albedo, 4);
     const gpu::Buffer* z = frame.read_back(coarse.surface.view_z, 4);
     const gpu::Buffer* normal = frame.read_back(coarse.surface.normal, 4);
@@ -187,6 +209,12 @@ LodResult LodRig::run(const LodScene& scene, const FramebufferLodOptions& option
     copy(normal, width, height, result.normal);
     copy(object, width, height, result.object);
     copy(guide, width, height, result.guide);
+    if (fix.valid()) {
+        std::memcpy(&result.fix, fix_state->mapped(), sizeof(result.fix));
+        EXPECT_LE(result.fix.count, fix.cap);
+        const auto* first = static_cast<const std::uint32_t*>(fixed->mapped());
+        result.fixed.assign(first, first + result.fix.count);
+    }
     Image<std::uint64_t> halves;
     copy(picture, scene.view.width, scene.view.height, halves);
     result.picture.resize(scene.view.width, scene.view.height);
@@ -234,7 +262,8 @@ Image<reference::LodSample> lod_samples(const LodResult& result,
 }
 
 Image<glm::dvec3> lod_reference_picture(const LodScene& scene, const LodResult& result,
-                                        const FramebufferLodOptions& options) {
+                                        const FramebufferLodOptions& options,
+                                        Image<double>* doubt_bits) {
     const double least = options.format == LodFormat::packed ? 0.35 : 0.05;
     const Image<reference::LodSample> samples = lod_samples(result, options);
     Image<reference::LodPixel> fine(scene.view.width, scene.view.height);
@@ -260,9 +289,12 @@ Image<glm::dvec3> lod_reference_picture(const LodScene& scene, const LodResult& 
                                     .cx = k.cx,
                                     .cy = k.cy};
     Image<glm::dvec3> picture(scene.view.width, scene.view.height);
+    if (doubt_bits != nullptr) doubt_bits->resize(scene.view.width, scene.view.height);
     for (int y = 0; y < picture.height(); ++y) {
         for (int x = 0; x < picture.width(); ++x) {
-            picture.at(x, y) = reference::lod_reconstruct(samples, fine, x, y, rules);
+            picture.at(x, y) =
+                reference::lod_reconstruct(samples, fine, x, y, rules,
+                                           doubt_bits != nullptr ? &doubt_bits->at(x, y) : nullptr);
         }
     }
     return picture;

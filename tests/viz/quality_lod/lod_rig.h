@@ -9,6 +9,7 @@
 #include "tests/reference/lod_reference.h"
 #include "viz/graph/executor.h"
 #include "viz/quality/framebuffer_lod.h"
+#include "viz/quality/lod_fix_shared.h"
 
 namespace kino::test {
 
@@ -38,7 +39,9 @@ struct LodResult {
     Image<glm::vec4> coarse;     ///< the linear picture that was resized
     Image<glm::vec4> picture;
     std::vector<std::string> passes;
-    bool direct = false;  ///< no pass was added
+    bool direct = false;               ///< no pass was added
+    std::vector<std::uint32_t> fixed;  ///< pixels to be shaded anew, y << 16 | x
+    shared::LodFixState fix{};         ///< all 0 without a list
 };
 
 /// Linear colour of coarse pixel (x, y) for a coarse albedo.
@@ -61,9 +64,11 @@ class LodRig {
 };
 
 /// The double reference on the same inputs. Packed: guides and light as their words hold them.
+/// `doubt_bits` becomes -log2 of every pixel's confidence.
 [[nodiscard]] Image<glm::dvec3> lod_reference_picture(const LodScene& scene,
                                                       const LodResult& result,
-                                                      const FramebufferLodOptions& options);
+                                                      const FramebufferLodOptions& options,
+                                                      Image<double>* doubt_bits = nullptr);
 /// The coarse picture as the reference reads it.
 [[nodiscard]] Image<reference::LodSample> lod_samples(const LodResult& result,
                                                       const FramebufferLodOptions& options);
