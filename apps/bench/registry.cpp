@@ -32,6 +32,10 @@ constexpr Entry kEntries[] = {
     {"raster", "drawing paths against the hardware path and the double-precision rasteriser",
      &bench_raster},
 #endif
+#ifdef KINO_BENCH_SKINNING
+    {"skinning", "matrices against dual quaternions: times, and what a twisted limb loses",
+     &bench_skinning},
+#endif
 #ifdef KINO_BENCH_VERTEX_PULLING
     {"vertex-pulling", "many draws in one call against one call each and fixed vertex input",
      &bench_vertex_pulling},

@@ -14,6 +14,7 @@ void bench_joint_filters(BenchContext& context);
 void bench_codecs(BenchContext& context);
 void bench_lbvh(BenchContext& context);
 void bench_raster(BenchContext& context);
+void bench_skinning(BenchContext& context);
 void bench_forward_plus(BenchContext& context);
 void bench_vertex_pulling(BenchContext& context);
 void bench_framebuffer_lod(BenchContext& context);
