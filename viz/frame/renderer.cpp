@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "viz/effects/skeleton/skeleton.h"
 #include "viz/light/light_passes.h"
+#include "viz/quality/lod_fix_shared.h"
 #include "viz/quality/zoom/zoom_view.h"
 
 namespace kino {
@@ -135,6 +136,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                          options.probe_px->y >= 0 && options.probe_px->x < shown.width &&
                          options.probe_px->y < shown.height;
     SurfaceTargets surface;
+    BufferId fix_state;
     if (staged) {
         const Stage stage = add_stage(graph, scene, view, {rasterizer_, meshes_, bvh_},
                                       {.raster = options.raster,
@@ -146,6 +148,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                                        .samples = options.samples,
                                        .resolve = options.resolve});
         surface = stage.surface;
+        fix_state = stage.fixed.state;
         picture = add_final_pass(graph, scene, stage.linear, picture, stage.emitting);
     } else if (live) {
         // Without light the surface's colour is the picture, so it is drawn straight into it.
@@ -231,6 +234,23 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
             {options.probe_px->x / zoom.z + guard_px, options.probe_px->y / zoom.z + guard_px},
             {1, 1}, probe_readback_);
     }
+    const bool counting = options.count_fixed && fix_state.valid();
+    if (counting) {
+        KINO_TRY(fit(device_, fixed_readback_, "fixed pixels", sizeof(shared::LodFixState)));
+        BufferId host = graph.import_buffer("frame/read fixed", fixed_readback_);
+        graph.add_pass(
+            "frame/read fixed", "readback",
+            [&](PassBuilder& b) {
+                b.read(fix_state, Use::transfer_read);
+                host = b.write(host, Use::transfer_write);
+            },
+            [fix_state, host](PassContext& c) {
+                const VkBufferCopy region{.size = sizeof(shared::LodFixState)};
+                vkCmdCopyBuffer(c.commands().handle(), c.buffer(fix_state), c.buffer(host), 1,
+                                &region);
+            });
+        graph.require(host);
+    }
     if (keep_graphviz_) graphviz_ = graph.to_graphviz();
 
     FrameResult result;
@@ -253,6 +273,10 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
     if (probing) {
         const float z = probe_readback_.read<float>()[0];
         if (z > 0) result.depth_at_m = z;
+    }
+    if (counting) {
+        const auto state = fixed_readback_.read<shared::LodFixState>()[0];
+        result.fixed = FixedPixels{.failed = state.failed, .shaded = state.count};
     }
     return result;
 }

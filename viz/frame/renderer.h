@@ -55,6 +55,7 @@ struct FrameOptions {
     bool read_picture = false;
     bool read_surface = false;  ///< depth, ids and normals
     bool read_view_z = false;   ///< depth alone: draws as for the screen
+    bool count_fixed = false;   ///< with lod->fix_share: FrameResult::fixed
     /// Adds passes after everything else, into the target: the user interface.
     std::function<graph::TextureId(graph::FrameGraph&, graph::TextureId target)> overlay;
 };
@@ -67,12 +68,19 @@ struct SurfaceReadback {
     Image<std::uint32_t> normal;  ///< octahedral, two 16-bit snorm, view space
 };
 
+/// Pixels of a coarse picture that no coarse pixel resembled.
+struct FixedPixels {
+    std::uint32_t failed = 0;  ///< all of them
+    std::uint32_t shaded = 0;  ///< that were shaded anew; fewer where the cap is reached
+};
+
 struct FrameResult {
     graph::FrameReport report;
     double ms = 0;  ///< device time of the whole frame, submit to fence
     Image<Rgba8> picture;
     SurfaceReadback surface;
     std::optional<float> depth_at_m;  ///< of the probed pixel; empty where nothing is there
+    std::optional<FixedPixels> fixed;
 };
 
 /// Composes frames: what the scene calls for, in stage order, and nothing else.
@@ -128,6 +136,7 @@ class Renderer {
     gpu::Buffer id_readback_;
     gpu::Buffer normal_readback_;
     gpu::Buffer probe_readback_;
+    gpu::Buffer fixed_readback_;
     bool keep_graphviz_ = false;
     std::string graphviz_;
 };

@@ -68,10 +68,16 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
         stage.linear = add_reconstruction(graph, shade(coarse->surface, coarse->view), *coarse,
                                           surface, view, *options.lod, &stage.fixed);
         if (stage.fixed.valid()) {
-            stage.linear = add_shade_list(
-                graph, scene, view,
-                {.surface = surface, .lists = stage.lists, .emission = !emits_apart},
-                {stage.fixed.pixels, stage.fixed.state, stage.fixed.cap}, stage.linear);
+            const PixelList list{stage.fixed.pixels, stage.fixed.state, stage.fixed.cap};
+            const graph::BufferId masks = add_listed_shadows(
+                graph, scene, view, {.view_z = surface.view_z, .normal = surface.normal},
+                stage.lists, bvh, list, options.shadows);
+            stage.linear = add_shade_list(graph, scene, view,
+                                          {.surface = surface,
+                                           .lists = stage.lists,
+                                           .shadow_masks = masks,
+                                           .emission = !emits_apart},
+                                          list, stage.linear);
         }
         // What is drawn over it needs it; else the last pass adds it on the way.
         const bool drawn_over = wants_blended(scene) || (opaque_kinds(scene) & kForwardKinds) != 0;

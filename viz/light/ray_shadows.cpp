@@ -21,6 +21,9 @@ using graph::Use;
 constexpr std::uint32_t kShadowPixels[] = {
 #include "shadow_pixels_comp.inc"
 };
+constexpr std::uint32_t kShadowListed[] = {
+#include "shadow_listed_comp.inc"
+};
 constexpr std::uint32_t kShadowJobs[] = {
 #include "shadow_jobs_comp.inc"
 };
@@ -227,23 +230,15 @@ bool tiles_are_even(const LightLists& lists, const View& view) {
     return scaled_x % (2 * lists.width) == 0 && scaled_y % (2 * lists.height) == 0;
 }
 
-}  // namespace
-
-bool wants_ray_shadows(const Scene& scene) {
-    return std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& light) {
-        return light.shadow == LightShadow::raycast && is_usable(light);
-    });
+bool casts_rays(const Scene& scene, const SceneBvhPasses& bvh, const RayShadowOptions& options) {
+    KINO_CHECK_LE(options.rays_per_pixel, kShadowMostSlots);
+    return !(bvh.tree.empty() && bvh.live.empty()) && options.rays_per_pixel != 0 &&
+           wants_ray_shadows(scene);
 }
 
-RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& view,
-                           const ShadowSurface& surface, const LightLists& lists,
-                           const SceneBvhPasses& bvh, const RayShadowOptions& options) {
-    KINO_CHECK_LE(options.rays_per_pixel, kShadowMostSlots);
-    RayShadows out;
-    if ((bvh.tree.empty() && bvh.live.empty()) || options.rays_per_pixel == 0 ||
-        !wants_ray_shadows(scene))
-        return out;
-    const bool half = options.half_resolution && tiles_are_even(lists, view);
+/// `half`: a texel is 2 x 2 pixels.
+ShadowInputs shadow_inputs(const View& view, const ShadowSurface& surface, const LightLists& lists,
+                           const SceneBvhPasses& bvh, const RayShadowOptions& options, bool half) {
     const std::uint32_t divisor = half ? 2 : 1;
     ShadowInputs in{.surface = surface, .lists = lists, .meshes = bvh.tree, .live = bvh.live};
     shared::ShadowParams& p = in.params;
@@ -271,6 +266,25 @@ RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& vi
     }
     in.constants = {lists.tile_px != 0 ? 1u : 0u, half ? 1u : 0u, lists.has_spots ? 1u : 0u,
                     (bvh.tree.empty() ? 0u : 1u) | (bvh.live.empty() ? 0u : 2u)};
+    return in;
+}
+
+}  // namespace
+
+bool wants_ray_shadows(const Scene& scene) {
+    return std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& light) {
+        return light.shadow == LightShadow::raycast && is_usable(light);
+    });
+}
+
+RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& view,
+                           const ShadowSurface& surface, const LightLists& lists,
+                           const SceneBvhPasses& bvh, const RayShadowOptions& options) {
+    RayShadows out;
+    if (!casts_rays(scene, bvh, options)) return out;
+    const bool half = options.half_resolution && tiles_are_even(lists, view);
+    ShadowInputs in = shadow_inputs(view, surface, lists, bvh, options, half);
+    const shared::ShadowParams& p = in.params;
     const std::uint64_t texels = std::uint64_t{p.texels.x} * p.texels.y;
     KINO_CHECK(texels < (1u << 25));  // a job has seven bits for its slot
     out.masks = graph.create_buffer("shadow masks, traced", {texels * sizeof(glm::uvec4)});
@@ -282,6 +296,42 @@ RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& vi
     }
     if (half) out.masks = add_shadow_expand(graph, in, out.masks);
     return out;
+}
+
+BufferId add_listed_shadows(FrameGraph& graph, const Scene& scene, const View& view,
+                            const ShadowSurface& surface, const LightLists& lists,
+                            const SceneBvhPasses& bvh, const PixelList& list,
+                            const RayShadowOptions& options) {
+    if (!casts_rays(scene, bvh, options)) return {};
+    const ShadowInputs in = shadow_inputs(view, surface, lists, bvh, options, false);
+    BufferId masks = graph.create_buffer("shadow masks, listed",
+                                         {std::uint64_t{list.most} * sizeof(glm::uvec4)});
+    graph.add_pass(
+        "light/shadow listed", kShadowGroup,
+        [&](PassBuilder& b) {
+            in.read(b);
+            in.read_tree(b);
+            b.read(list.pixels, Use::compute_read);
+            b.read(list.dispatch, Use::compute_read);
+            b.read(list.dispatch, Use::indirect_read);
+            masks = b.write(masks, Use::compute_write);
+        },
+        [in, list, id = masks](PassContext& c) {
+            const auto desc = in.pipeline(
+                "light/shadow listed", kShadowListed,
+                {Binding::word_quads, Binding::word_quads, Binding::storage, Binding::words,
+                 Binding::word_quads, Binding::word_quads, Binding::words});
+            const auto head = in.bound(c);
+            const auto tree = in.trees(c);
+            if (!c.bind(desc,
+                        {head[0], head[1], head[2], head[3], head[4], tree[0], tree[1], c.bound(id),
+                         c.bound(list.pixels), tree[2], tree[3], c.bound(list.dispatch)})) {
+                return;
+            }
+            c.commands().constants(in.params);
+            c.commands().dispatch_indirect(c.buffer(list.dispatch), 0);
+        });
+    return masks;
 }
 
 }  // namespace kino

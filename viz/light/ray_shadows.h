@@ -5,6 +5,7 @@
 #include "viz/accel/scene_bvh.h"
 #include "viz/graph/graph.h"
 #include "viz/light/light_lists.h"
+#include "viz/light/pixel_list.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
 
@@ -57,5 +58,13 @@ struct RayShadows {
                                          const View& view, const ShadowSurface& surface,
                                          const LightLists& lists, const SceneBvhPasses& bvh,
                                          const RayShadowOptions& options = {});
+
+/// The masks of single pixels of the view's surface, in the order of the list: what
+/// add_shade_list() takes. Invalid where add_ray_shadows() makes none.
+[[nodiscard]] graph::BufferId add_listed_shadows(graph::FrameGraph& graph, const Scene& scene,
+                                                 const View& view, const ShadowSurface& surface,
+                                                 const LightLists& lists, const SceneBvhPasses& bvh,
+                                                 const PixelList& list,
+                                                 const RayShadowOptions& options = {});
 
 }  // namespace kino

@@ -27,7 +27,8 @@ layout(set = 0, binding = 12) uniform usamplerBuffer lobes;
 void main() {
     uint entry = gl_GlobalInvocationID.x;
     bool wanted = entry < texelFetch(state, 3).x;
-    uint word = texelFetch(listed, wanted ? int(entry) : 0).x;
+    entry = wanted ? entry : 0u;  // whose result nobody stores
+    uint word = texelFetch(listed, int(entry)).x;
     ivec2 at = ivec2(word & 0xFFFFu, word >> 16);
     vec4 seen = texelFetch(albedo, at, 0);
     vec3 base = from_srgb(seen.rgb);

@@ -97,16 +97,26 @@ WireError wire_error(const FrameResult& frame, const FrameResult& truth) {
 TEST_F(VizTest, ThinWiresAreShadedAnew) {
     Renderer renderer(device());
     for (const int lights : {4, 40}) {
-        const Scene scene = wires_scene(lights);
+        // And once with shadows, of wires on wires and on the wall.
+        Scene scene = wires_scene(lights);
+        for (Light& light : scene.lights) {
+            light.shadow = lights == 40 ? LightShadow::raycast : LightShadow::none;
+        }
         const FrameResult truth = draw(renderer, scene, {.read_surface = true});
         FrameOptions options{.lod = FramebufferLodOptions{.r = 4}};
         const FrameResult coarse = draw(renderer, scene, options);
         EXPECT_THAT(coarse.report.passes, Each(Not(StartsWith("lod/fix"))));
         options.lod->fix_share = 0.1f;
+        EXPECT_FALSE(draw(renderer, scene, options).fixed) << "nobody asked";
+        options.count_fixed = true;
         const FrameResult fixed = draw(renderer, scene, options);
+        ASSERT_TRUE(fixed.fixed);
+        EXPECT_EQ(fixed.fixed->failed, fixed.fixed->shaded);
+        EXPECT_LE(fixed.fixed->shaded, 0.1 * kWiresWidth * kWiresHeight);
         EXPECT_THAT(fixed.report.passes, Contains("light/shade listed"));
         const WireError before = wire_error(coarse, truth);
         const WireError after = wire_error(fixed, truth);
+        EXPECT_GT(fixed.fixed->shaded, static_cast<unsigned>(before.count) / 2);
         ASSERT_GT(before.count, 300);
         ASSERT_GT(before.wires, 25.0) << lights << " lights";
         EXPECT_LE(after.wires, 0.1 * before.wires) << lights << " lights";
