@@ -73,14 +73,21 @@ void draw_hint(const UiCanvas& canvas, const DemoGuidance& guidance, glm::vec2 m
                  canvas.high(kGuidanceWords), kWhite * glm::vec4(1, 1, 1, shown));
 }
 
+/// Goes on while the hands do; a flash would hide what they change.
+bool lasts(GestureKind kind) {
+    return kind == GestureKind::zoom || kind == GestureKind::rotate;
+}
+
 /// Bright at once, then wider and fainter.
 void draw_praise(const UiCanvas& canvas, const DemoGuidance& guidance, glm::vec2 at,
                  glm::vec3 color) {
     const auto part = static_cast<float>(guidance.praised_ago_s / kPraiseS);
     const float fading = 1 - part, half = canvas.high(kOutline);
-    canvas.disc(at, half * (0.35f + 0.4f * part), {color, 0.75f * fading * fading});
-    canvas.ring(at, half * (0.5f + 1.6f * part), {glm::vec3(1), fading},
-                canvas.high(1.6f * kLine) * fading);
+    if (!lasts(guidance.praised)) {
+        canvas.disc(at, half * (0.35f + 0.4f * part), {color, 0.75f * fading * fading});
+        canvas.ring(at, half * (0.5f + 1.6f * part), {glm::vec3(1), fading},
+                    canvas.high(1.6f * kLine) * fading);
+    }
     canvas.words(praise_words(guidance.praised), at - glm::vec2(0, half * (1.5f + part)),
                  canvas.high(1.2f * kGuidanceWords), {1, 1, 1, fading});
 }

@@ -88,7 +88,7 @@ void draw_screen(const UiCanvas& canvas, const View& view, const ShowScreen& scr
     } else {
         if (shows_scene_name(screen)) {
             const double left = kSceneNameS - screen.scene_name_shown_s;
-            canvas.words(screen.scene_name, {0.5f * canvas.size().x, canvas.high(0.17f)},
+            canvas.words(screen.scene_name, {0.5f * canvas.size().x, canvas.high(0.93f)},
                          canvas.high(0.07f), {1, 1, 1, std::min(1.0, 2 * left)});
         }
         for (std::size_t i = 0; i < screen.guidance.size(); ++i) {
