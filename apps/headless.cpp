@@ -20,6 +20,7 @@
 #include "apps/viewer/frame_budget.h"
 #include "apps/viewer/scene_builder.h"
 #include "apps/viewer/true_error.h"
+#include "apps/viewer/window_camera.h"
 #include "sensor/png_io.h"
 #include "viz/frame/renderer.h"
 #include "viz/output/video_writer.h"
@@ -91,6 +92,7 @@ class HeadlessRun {
     Summary& summary_;
     SceneBuilder builder_;
     CameraControl camera_;
+    std::optional<WindowCamera> window_;  ///< of scenes whose screen is one
     FrameBudget budget_;
     double last_time_s_ = 0;
     std::optional<VideoWriter> video_;
@@ -116,8 +118,14 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
         camera_.orbit.follow(measure_place(frame).center, to_seconds(stepper.duration()));
     }
     camera_.orbit.set_time(time_s);
-    const View view = camera_.view(stepper.opened().processor.rig().parameters().depth,
-                                   frame.set.world_from_depth, summary_.width, summary_.height);
+    View view = camera_.view(stepper.opened().processor.rig().parameters().depth,
+                             frame.set.world_from_depth, summary_.width, summary_.height);
+    if (window_ && director->world_from_stage()) {
+        // Recorded time: pictures are of the moment their frame was taken.
+        window_->see(from_seconds(time_s), frame.set.bodies.get());
+        view = window_->view(*director->world_from_stage(), from_seconds(time_s), summary_.width,
+                             summary_.height);
+    }
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
     frame_options.read_picture = true;
@@ -154,6 +162,7 @@ Result<void> HeadlessRun::keep(const Image<Rgba8>& picture, TimeNs duration, con
 Result<void> HeadlessRun::set_stage() {
     if (options_.scene.empty()) return {};
     KINO_ASSIGN(StageSet stage, open_stage(options_.scene));
+    if (stage.file.camera.window && !options_.view) window_.emplace(*stage.file.camera.window);
     builder_.put_on_stage(std::make_unique<Director>(std::move(stage)));
     return {};
 }
@@ -184,6 +193,7 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
         budget_.replay(std::move(log));
     }
     builder_.reset();
+    if (window_) window_->reset();
     last_time_s_ = 0;
     renderer_.cut();
     TimeNs shown = 0;

@@ -27,6 +27,7 @@ KINO_EMBED_SCENE("torch", "torch");
 KINO_EMBED_SCENE("colonnade", "colonnade");
 KINO_EMBED_SCENE("glass", "glass");
 KINO_EMBED_SCENE("playroom", "playroom");
+KINO_EMBED_SCENE("window", "window");
 
 #define KINO_SCENE(name)                       \
     extern "C" const char kino_scene_##name[]; \
@@ -38,6 +39,7 @@ KINO_SCENE(torch);
 KINO_SCENE(colonnade);
 KINO_SCENE(glass);
 KINO_SCENE(playroom);
+KINO_SCENE(window);
 
 namespace kino {
 
@@ -50,7 +52,8 @@ std::vector<BundledScene> bundled_scenes() {
             {"torch", text(kino_scene_torch, kino_scene_torch_end)},
             {"colonnade", text(kino_scene_colonnade, kino_scene_colonnade_end)},
             {"glass", text(kino_scene_glass, kino_scene_glass_end)},
-            {"playroom", text(kino_scene_playroom, kino_scene_playroom_end)}};
+            {"playroom", text(kino_scene_playroom, kino_scene_playroom_end)},
+            {"window", text(kino_scene_window, kino_scene_window_end)}};
 }
 
 std::optional<BundledScene> bundled_scene(std::string_view name) {

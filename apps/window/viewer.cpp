@@ -92,6 +92,7 @@ Result<void> Viewer::open(std::size_t index) {
     camera_placed_ = false;
     opened_at_ = now_ns();
     frames_per_s_ = 0;
+    if (window_camera_) window_camera_->reset();
     renderer_.cut();
     scene_cut_ = true;
     window_.set_title(fmt::format("{} - Kinoscope", playing_->info().name));
@@ -109,6 +110,11 @@ void Viewer::open_next_when_over() {
 
 void Viewer::show_frame(const ProcessedFrame& frame) {
     builder_.show(frame);
+    if (window_camera_) {
+        // A recording's times are no times of this clock.
+        window_camera_->see(playing_->is_device() ? frame.set.time : now_ns(),
+                            frame.set.bodies.get());
+    }
     const bool moved = builder_.advance(0) && camera_.orbit.sways();
     if (!frame.surface) {
         // Nothing to stand anywhere: only pictures.
@@ -352,6 +358,7 @@ Result<void> Viewer::run(const std::string& note) {
         const SceneLive& live = stage.file.live;
         if (!options_.style) draw_options_.style = live.style;
         if (!options_.splat_px) draw_options_.splat_px = live.splat_px;
+        if (stage.file.camera.window) window_camera_.emplace(*stage.file.camera.window);
         builder_.put_on_stage(std::make_unique<Director>(std::move(stage)));
     }
     KINO_TRY(open(0));

@@ -13,6 +13,7 @@
 #include "apps/viewer/measure.h"
 #include "apps/viewer/scene_builder.h"
 #include "apps/viewer/settings.h"
+#include "apps/viewer/window_camera.h"
 #include "apps/window/accuracy_strip.h"
 #include "apps/window/panels.h"
 #include "apps/window/playing.h"
@@ -55,6 +56,7 @@ class Viewer {
     void act_on_input(const WindowInput& input, double dt_s);
     Result<void> draw(const WindowInput& input, TimeNs now);
     [[nodiscard]] FrameOptions picture_options(const WindowInput& input, ImDrawData& lists);
+    [[nodiscard]] bool looks_through_window() const;
     Result<void> render(const PictureTarget& target, FrameOptions& options);
     void draw_panels(const WindowInput& input);
     [[nodiscard]] OverlayText overlay_text();
@@ -79,6 +81,7 @@ class Viewer {
     CameraControl camera_;
     bool camera_placed_ = false;
     Steering steering_;
+    std::optional<WindowCamera> window_camera_;  ///< of scenes whose screen is a window
     SceneBuilder builder_;
     double stage_time_s_ = 0;  ///< of the last picture, by the stage's clock
 

@@ -57,6 +57,12 @@ FrameOptions Viewer::picture_options(const WindowInput& input, ImDrawData& lists
     return options;
 }
 
+/// Until the user takes the camera.
+bool Viewer::looks_through_window() const {
+    return window_camera_ && camera_.kind == ViewKind::orbit && camera_.orbit.sways() &&
+           builder_.director() != nullptr && builder_.director()->world_from_stage();
+}
+
 /// Draws the scene as the budget says, and tells the budget what that took.
 Result<void> Viewer::render(const PictureTarget& target, FrameOptions& options) {
     const Scene& scene = builder_.scene(draw_options_);
@@ -86,6 +92,12 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     view_ = camera_.view(playing_->rig().depth, world_from_depth,
                          static_cast<int>(target->extent.width),
                          static_cast<int>(target->extent.height));
+    if (looks_through_window()) {
+        // For when the picture will be there, if it takes as long as the last one.
+        view_ = window_camera_->view(*builder_.director()->world_from_stage(),
+                                     now_ns() + last_.report.submit_to_fence, view_.width,
+                                     view_.height);
+    }
     if (std::exchange(screenshot_wanted_, false)) {
         take_screenshot();
         scene_cut_ = true;
@@ -95,6 +107,10 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     ImDrawData& lists = context_.end_frame();
 
     FrameOptions options = picture_options(input, lists);
+    if (looks_through_window()) {
+        options.deflect = window_camera_->deflection(*builder_.director()->world_from_stage(),
+                                                     now_ns(), view_.width, view_.height, now_ns);
+    }
     // Between pictures as the clock says; stepped, as the recording does; held while it pauses.
     const LiveStatus status = playing_->runner().status();
     const double shown_s = playing_->is_stepped() ? to_seconds(playing_->time_of(status.position))

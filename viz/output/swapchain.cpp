@@ -28,6 +28,31 @@ Result<VkSurfaceFormatKHR> choose_format(VkPhysicalDevice physical, VkSurfaceKHR
     return fail("the window offers no plain 8-bit format", "Vulkan");
 }
 
+VkPresentModeKHR vulkan_mode(PresentMode mode) {
+    switch (mode) {
+        case PresentMode::mailbox:
+            return VK_PRESENT_MODE_MAILBOX_KHR;
+        case PresentMode::immediate:
+            return VK_PRESENT_MODE_IMMEDIATE_KHR;
+        case PresentMode::fifo:
+            break;
+    }
+    return VK_PRESENT_MODE_FIFO_KHR;
+}
+
+/// The wanted one where the surface offers it.
+Result<PresentMode> choose_mode(VkPhysicalDevice physical, VkSurfaceKHR surface,
+                                PresentMode wanted) {
+    std::uint32_t count = 0;
+    KINO_VK_TRY(vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, &count, nullptr),
+                "listing present modes");
+    std::vector<VkPresentModeKHR> modes(count);
+    KINO_VK_TRY(vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, &count, modes.data()),
+                "listing present modes");
+    const bool there = std::find(modes.begin(), modes.end(), vulkan_mode(wanted)) != modes.end();
+    return there ? wanted : PresentMode::fifo;
+}
+
 }  // namespace
 
 Swapchain::~Swapchain() {
@@ -59,6 +84,7 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
                     "creating a fence");
     }
     KINO_ASSIGN(const VkSurfaceFormatKHR format, choose_format(device_.physical(), surface_));
+    KINO_ASSIGN(mode_, choose_mode(device_.physical(), surface_, wanted_));
     std::uint32_t count = std::max(can.minImageCount, 3u);
     if (can.maxImageCount != 0) count = std::min(count, can.maxImageCount);
     const VkSwapchainKHR old = chain_;
@@ -76,7 +102,7 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
         .imageSharingMode = VK_SHARING_MODE_EXCLUSIVE,
         .preTransform = can.currentTransform,
         .compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR,
-        .presentMode = VK_PRESENT_MODE_FIFO_KHR,
+        .presentMode = vulkan_mode(mode_),
         .clipped = VK_TRUE,
         .oldSwapchain = old};
     device_.wait_idle();

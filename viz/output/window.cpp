@@ -39,6 +39,7 @@ struct Window::State {
     WindowInput input;
     gpu::Device* device = nullptr;
     VkSurfaceKHR surface = VK_NULL_HANDLE;
+    PresentMode present = PresentMode::fifo;
     std::unique_ptr<Swapchain> swapchain;
 };
 
@@ -63,6 +64,7 @@ Result<std::unique_ptr<Window>> Window::open(const WindowOptions& options) {
         return fail("no window can be opened: " + glfw_problem(), {},
                     "without a display, use --headless FOLDER");
     }
+    state->present = options.present;
     glfwSetWindowUserPointer(state->window, state.get());
     glfwSetKeyCallback(state->window, [](GLFWwindow* w, int key, int, int action, int mods) {
         if (action == GLFW_RELEASE) return;
@@ -108,7 +110,7 @@ Result<void> Window::attach(gpu::Device& device) {
         return fail("this device cannot draw into this window", device.info().name,
                     "choose another with --device; kinoscope devices lists them");
     }
-    state_->swapchain = std::make_unique<Swapchain>(device, state_->surface);
+    state_->swapchain = std::make_unique<Swapchain>(device, state_->surface, state_->present);
     return {};
 }
 
@@ -171,6 +173,10 @@ Result<std::optional<PictureTarget>> Window::begin_picture() {
 
 Result<void> Window::present() {
     return state_->swapchain->present();
+}
+
+PresentMode Window::present_mode() const {
+    return state_->swapchain == nullptr ? state_->present : state_->swapchain->mode();
 }
 
 GLFWwindow* Window::handle() const {

@@ -10,6 +10,7 @@
 
 #include "viz/frame/renderer.h"
 #include "viz/gpu/device.h"
+#include "viz/output/swapchain.h"
 
 struct GLFWwindow;
 
@@ -19,6 +20,7 @@ struct WindowOptions {
     std::string title = "Kinoscope";
     int width = 1280;  ///< px
     int height = 720;
+    PresentMode present = PresentMode::fifo;
 };
 
 /// A key, named by GLFW's key codes (printable keys are their ASCII capitals).
@@ -76,6 +78,8 @@ class Window {
     [[nodiscard]] Result<std::optional<PictureTarget>> begin_picture();
     /// Shows what was drawn; the device must be done with it.
     [[nodiscard]] Result<void> present();
+    /// How pictures are shown now; fifo where the surface does not offer what was asked for.
+    [[nodiscard]] PresentMode present_mode() const;
 
     [[nodiscard]] GLFWwindow* handle() const;
 

@@ -51,6 +51,11 @@ inline constexpr std::array<Word<DepthStyle>, 2> kStyles{
     {{"cloud", DepthStyle::cloud}, {"mesh", DepthStyle::mesh}}};
 inline constexpr std::array<Word<SceneOrigin>, 2> kOrigins{
     {{"person", SceneOrigin::person}, {"world", SceneOrigin::world}}};
+inline constexpr std::array<Word<SceneDeflect>, 4> kDeflects{
+    {{"none", SceneDeflect::none},
+     {"pan", SceneDeflect::pan},
+     {"homography", SceneDeflect::homography},
+     {"depth_warp", SceneDeflect::depth_warp}}};
 inline constexpr std::array<Word<ColorMode>, 3> kColors{
     {{"captured", ColorMode::captured}, {"mixed", ColorMode::mixed}, {"relit", ColorMode::relit}}};
 
@@ -199,9 +204,22 @@ void visit(V& v, SceneLive& s) {
 }
 
 template <class V>
+void visit(V& v, SceneWindow& s) {
+    v.number("width_m", s.size_m.x, 0.05, 20, "of the screen");
+    v.number("height_m", s.size_m.y, 0.05, 20, "");
+    v.vector("at_m", s.at_m, -kFarthest, kFarthest, "its centre, on the stage");
+    v.number("turn_deg", s.turn_deg, -360, 360, "about y; 0: z towards the viewer");
+    v.vector("sensor_m", s.sensor_m, -10, 10, "the sensor, from the screen's centre");
+    v.number("sensor_tilt_deg", s.sensor_tilt_deg, -60, 60, "of the sensor, upwards");
+    v.vector("eye_m", s.eye_m, -10, 10, "where the view is from while nobody is seen");
+    v.choice("deflect", s.deflect, kDeflects, "how pictures follow the newest head");
+}
+
+template <class V>
 void visit(V& v, SceneCamera& s) {
     v.vector("eye_m", s.eye_m, -kFarthest, kFarthest, "");
     v.vector("target_m", s.target_m, -kFarthest, kFarthest, "");
+    v.optional("window", s.window, "the screen is a window that the nearest person looks through");
 }
 
 template <class V>

@@ -181,9 +181,26 @@ struct SceneLive {
     friend bool operator==(const SceneLive&, const SceneLive&) = default;
 };
 
+/// How pictures of a window are brought to the newest place of the head (viz/quality/zoom).
+enum class SceneDeflect : std::uint8_t { none, pan, homography, depth_warp };
+
+/// A screen that is looked through. Window space: origin in its centre, x to the viewer's right, y
+/// up, z towards the viewer; axes of the stage, turned.
+struct SceneWindow {
+    glm::dvec2 size_m{0.52, 0.32};   ///< width, height
+    glm::dvec3 at_m{0, 1.2, 0};      ///< its centre, on the stage
+    double turn_deg = 0;             ///< about y
+    glm::dvec3 sensor_m{0, 0.2, 0};  ///< window space; it looks at the viewer
+    double sensor_tilt_deg = 0;      ///< upwards
+    glm::dvec3 eye_m{0, 0, 0.6};     ///< window space; where nobody is seen
+    SceneDeflect deflect = SceneDeflect::pan;
+    friend bool operator==(const SceneWindow&, const SceneWindow&) = default;
+};
+
 struct SceneCamera {
     glm::dvec3 eye_m{0, 1.4, 3};
     glm::dvec3 target_m{0, 1.1, 0};
+    std::optional<SceneWindow> window;  ///< set: the nearest person's head leads the view
     friend bool operator==(const SceneCamera&, const SceneCamera&) = default;
 };
 
