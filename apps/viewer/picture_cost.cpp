@@ -20,6 +20,11 @@ constexpr double kGuidedNs = 25;
 constexpr double kBilinearNs = 8;
 constexpr double kZoomNs = 4;
 constexpr double kMostGuess = 0.3;
+/// Shares of pixels that differ by less are the same point.
+constexpr double kSameShare = 0.05;
+constexpr std::int64_t kSameLoad = 90;  ///< frames
+constexpr int kSamePoints = 6;
+constexpr double kMostPart = 0.98;
 /// Of what a frame takes beside its light, so much grows with the pixels drawn, where no group says
 /// anything.
 constexpr double kPixelShare = 0.6;
@@ -63,7 +68,7 @@ PictureCost::Key PictureCost::key_of(std::string_view group, int occurrence,
     return {name, grows_with_pixels(group) ? Grows::with_drawn : Grows::never};
 }
 
-double PictureCost::factor(const Group& group, const PictureLevel& level, glm::ivec2 size) {
+double PictureCost::share_for(const Group& group, const PictureLevel& level, glm::ivec2 size) {
     const PictureShare share = share_of(level, size);
     const bool resized = level.lod > 1;
     switch (group.grows) {
@@ -72,15 +77,46 @@ double PictureCost::factor(const Group& group, const PictureLevel& level, glm::i
         case Grows::with_drawn:
             return share.drawn;
         case Grows::resized:
-            return resized && level.reconstruction == group.reconstruction ? share.drawn : 0;
+            return resized && level.reconstruction == group.reconstruction ? share.drawn : -1;
         case Grows::not_resized:
-            return resized ? 0 : share.drawn;
+            return resized ? -1 : share.drawn;
         case Grows::when_zoomed:
-            return level.zoom > 1 ? 1 : 0;
+            return level.zoom > 1 ? 1 : -1;
         case Grows::never:
             return 1;
     }
     return 1;
+}
+
+double PictureCost::ms_of(const Group& group, const PictureLevel& level, glm::ivec2 size) {
+    const double share = share_for(group, level, size);
+    return share < 0 ? 0 : group.at(share);
+}
+
+double PictureCost::Group::at(double share) const {
+    return ms * (1 - part + part * share) / (1 - part + part * x);
+}
+
+void PictureCost::Group::add(double share, double measured_ms, bool at_once, std::int64_t frame) {
+    if (std::abs(share - x) > kSameShare * std::max(share, x)) {
+        then_x = x;
+        then_ms = ms;
+        then_frame = frame;
+        points = 1;
+        x = share;
+        ms = measured_ms;
+    } else {
+        approach(ms, measured_ms, at_once);
+        ++points;
+    }
+    // Two points of one line, as long as the load can be thought the same.
+    if (then_x < 0 || points > kSamePoints || frame - then_frame > kSameLoad) return;
+    const double slope = std::max(0.0, (then_ms - ms) / (then_x - x));
+    const double offset = std::max(0.0, ms - slope * x);
+    if (!(slope + offset > 0)) return;
+    const double weight = std::min(1.0, 2 * std::abs(then_x - x)) * 0.5;
+    part += weight * (slope / (slope + offset) - part);
+    part = std::clamp(part, 0.0, kMostPart);
 }
 
 /// Of what this level would run and no frame has run yet.
@@ -93,7 +129,7 @@ double PictureCost::unmeasured_ms(const PictureLevel& level, glm::ivec2 size) co
         if (group.reconstruction == Reconstruction::bilinear) {
             bilinear = true;
         } else {
-            guided_ms = std::max(0.0, guided_ms) + group.full_ms;
+            guided_ms = std::max(0.0, guided_ms) + group.at(1);
         }
     }
     const double most_ms = kMostGuess * frame_ms_;
@@ -122,7 +158,7 @@ double PictureCost::line_ms(const PictureLevel& level, glm::ivec2 size) const {
 double PictureCost::ms(const PictureLevel& level, glm::ivec2 size) const {
     if (!knows_groups_) return has_line_ ? line_ms(level, size) : 0;
     double sum = std::max(0.0, rest_ms_) + unmeasured_ms(level, size);
-    for (const auto& [key, group] : groups_) sum += group.full_ms * factor(group, level, size);
+    for (const auto& [key, group] : groups_) sum += ms_of(group, level, size);
     return sum;
 }
 
@@ -145,8 +181,7 @@ std::vector<PictureCost::Part> PictureCost::parts(const PictureLevel& level,
         return parts;
     }
     for (const auto& [key, group] : groups_) {
-        add(group.name == "lod" ? "resize" : group.name,
-            group.full_ms * factor(group, level, size));
+        add(group.name == "lod" ? "resize" : group.name, ms_of(group, level, size));
     }
     std::stable_sort(parts.begin(), parts.end(),
                      [](const Part& a, const Part& b) { return a.ms > b.ms; });
@@ -171,6 +206,7 @@ void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size,
                         std::span<const graph::GroupTime> groups, double frame_ms, bool at_once) {
     if (!std::isfinite(frame_ms) || frame_ms < 0) return;
     frame_ms_ = frame_ms;
+    ++frame_;
     learn_line(drawn, size, frame_ms);
     if (groups.empty()) {
         knows_groups_ = false;
@@ -193,20 +229,21 @@ void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size,
             Group group{.name = time.group,
                         .grows = key.grows,
                         .reconstruction = drawn.reconstruction,
-                        .full_ms = 0};
-            const double times = factor(group, drawn, size);
-            group.full_ms = times > 0 ? time.ms / times : 0;
+                        .part = key.grows == Grows::never ? 0 : kMostPart,
+                        .ms = time.ms};
+            group.x = std::max(0.0, share_for(group, drawn, size));
             groups_.emplace(key.text, group);
             measured_ms += time.ms;
             continue;
         }
-        const double times = factor(known->second, drawn, size);
-        measured_ms += measured ? time.ms : known->second.full_ms * times;
-        if (measured && times > 0) approach(known->second.full_ms, time.ms / times, at_once);
+        Group& group = known->second;
+        measured_ms += measured ? time.ms : ms_of(group, drawn, size);
+        const double share = share_for(group, drawn, size);
+        if (measured && share >= 0) group.add(share, time.ms, at_once, frame_);
     }
     // What would have run at this level and did not is no longer called for.
     std::erase_if(groups_, [&](const auto& entry) {
-        return ran.count(entry.first) == 0 && factor(entry.second, drawn, size) > 0;
+        return ran.count(entry.first) == 0 && share_for(entry.second, drawn, size) >= 0;
     });
     knows_groups_ = all_known;
     if (!all_known) return;

@@ -44,11 +44,19 @@ class PictureCost {
         when_zoomed,  ///< runs only then
         never
     };
+    /// Of a group's time at full size `part` grows with what it grows with, and the rest does not.
     struct Group {
         std::string name;
         Grows grows = Grows::never;
         Reconstruction reconstruction = Reconstruction::geometry_aware;  ///< of resized ones
-        double full_ms = 0;  ///< at full size with all pixels shaded
+        double part = 1;
+        double x = 1, ms = 0;             ///< newest point: share of pixels, time
+        double then_x = -1, then_ms = 0;  ///< the last one at another share; below 0: none
+        std::int64_t then_frame = 0;
+        int points = 0;  ///< since then
+
+        [[nodiscard]] double at(double share) const;
+        void add(double share, double measured_ms, bool at_once, std::int64_t frame);
     };
     struct Key {
         std::string text;
@@ -57,9 +65,11 @@ class PictureCost {
 
     [[nodiscard]] static Key key_of(std::string_view group, int occurrence,
                                     const PictureLevel& level);
-    /// What a group's full_ms is multiplied by; 0: it does not run.
-    [[nodiscard]] static double factor(const Group& group, const PictureLevel& level,
-                                       glm::ivec2 size);
+    /// Share of the picture's pixels that a group works on; below 0: it does not run.
+    [[nodiscard]] static double share_for(const Group& group, const PictureLevel& level,
+                                          glm::ivec2 size);
+    [[nodiscard]] static double ms_of(const Group& group, const PictureLevel& level,
+                                      glm::ivec2 size);
     [[nodiscard]] double unmeasured_ms(const PictureLevel& level, glm::ivec2 size) const;
     [[nodiscard]] double line_ms(const PictureLevel& level, glm::ivec2 size) const;
     void learn_line(const PictureLevel& drawn, glm::ivec2 size, double frame_ms);
@@ -68,6 +78,7 @@ class PictureCost {
     bool knows_groups_ = false;
     double rest_ms_ = -1;  ///< host and hand-over; below 0: not learnt yet
     double frame_ms_ = 0;  ///< of the last frame
+    std::int64_t frame_ = 0;
     CostModel line_{0, 0};
     bool has_line_ = false;
 };

@@ -18,17 +18,18 @@ struct LodError {
 /// tests/apps/viewer/picture_levels_test.cpp holds these against the committed table.
 constexpr std::array kLodErrors = {
     LodError{1, 0, 0},
-    LodError{1.25, 0.004514, 0.036840},
-    LodError{1.5, 0.004914, 0.043615},
-    LodError{2, 0.005177, 0.050897},
-    LodError{3, 0.007266, 0.070168},
-    LodError{4, 0.008867, 0.083504},
-    LodError{5.6, 0.011269, 0.098838},
-    LodError{8, 0.013980, 0.116806},
+    LodError{1.25, 0.005840, 0.061468},
+    LodError{1.5, 0.006481, 0.073002},
+    LodError{2, 0.007188, 0.085756},
+    LodError{3, 0.011111, 0.115617},
+    LodError{4, 0.014567, 0.134433},
+    LodError{5.6, 0.019712, 0.164157},
+    LodError{8, 0.024838, 0.195665},
 };
 
 constexpr std::array kResizings = {1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0};
-constexpr double kFirstZoomError = 0.06;
+/// The light-painting stage at 640x360, docs/accuracy/governor.csv.
+constexpr double kFirstZoomError = 0.042;
 
 }  // namespace
 

@@ -24,12 +24,13 @@ struct PictureLevel {
 /// of the zoom are added, which is more than they are together.
 [[nodiscard]] std::vector<PictureLevel> picture_levels(bool staged, int most_zoom);
 
-/// Mean FLIP of light that is shaded r times coarser: means over the scenes of
+/// Mean FLIP of light that is shaded r times coarser: of the worst scene in
 /// docs/accuracy/framebuffer-lod.csv, between its r by the logarithm of r; 0 for r = 1. Guided:
 /// fine-grained; bilinear: light and surface colour together.
 [[nodiscard]] double lod_error(double r, Reconstruction reconstruction);
 
-/// Mean FLIP of a picture that is drawn z times coarser and enlarged; 0 for z = 1.
+/// Mean FLIP of a picture that is drawn z times coarser and enlarged; 0 for z = 1. Each doubling
+/// is taken to lose as much again.
 [[nodiscard]] double zoom_error(int z);
 
 /// Pixels that are drawn, and light samples that are shaded, of a picture of `size`, both as shares

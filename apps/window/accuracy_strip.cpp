@@ -12,6 +12,8 @@ namespace {
 constexpr float kStripMargin = 12;
 constexpr float kAboveTimeline = 44 + 2 * kStripMargin;
 constexpr float kStripWidth = 300;
+constexpr float kRoomBelowPanes = 760;
+constexpr float kPanesWidth = 276;
 constexpr std::int64_t kTrueErrorEvery = 30;
 constexpr std::size_t kMostParts = 6;
 constexpr float kLeastTargetMs = 5;
@@ -37,7 +39,9 @@ bool AccuracyStrip::true_error_due(std::int64_t picture) const {
 
 void AccuracyStrip::draw(FrameBudget& budget) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
-    ImGui::SetNextWindowPos({display.x - kStripMargin, display.y - kAboveTimeline},
+    // Beside the sensor's images where there is no room below them.
+    const float right = display.y < kRoomBelowPanes ? kPanesWidth : 0;
+    ImGui::SetNextWindowPos({display.x - kStripMargin - right, display.y - kAboveTimeline},
                             ImGuiCond_Always, {1, 1});
     ImGui::Begin("accuracy", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |

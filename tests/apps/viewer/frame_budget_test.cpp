@@ -19,6 +19,7 @@ struct Plant {
     double guided_ms = 10, bilinear_ms = 3;
     double pixels_ms = 15;  ///< what every drawn pixel costs beside its light
     double still_ms = 5;    ///< what no level changes
+    double stuck_ms = 0;    ///< no level changes it, though its group sounds as if
     double noise = 0.05;
     bool tells_groups = true;
     test::Random random{77};
@@ -43,7 +44,7 @@ struct Plant {
         };
         const double resize =
             level.reconstruction == Reconstruction::bilinear ? bilinear_ms : guided_ms;
-        add("raster", pixels_ms * share.drawn);
+        add("raster", stuck_ms + pixels_ms * share.drawn);
         add("meshes", still_ms / 2);
         if (options.lod) add("lod", 0.3 * resize * share.drawn);
         add("light", light_ms * share.shaded);
@@ -57,7 +58,7 @@ struct Plant {
         const double resize = level.lod == 1                                     ? 0
                               : level.reconstruction == Reconstruction::bilinear ? bilinear_ms
                                                                                  : guided_ms;
-        return light_ms * share.shaded + (pixels_ms + resize) * share.drawn + still_ms;
+        return light_ms * share.shaded + (pixels_ms + resize) * share.drawn + still_ms + stuck_ms;
     }
 };
 
@@ -166,6 +167,19 @@ TEST(FrameBudget, ZoomsWhereOnlyThatHelps) {
     EXPECT_EQ(other.budget.choice().zoom, 1);
     EXPECT_GT(other.budget.choice().lod, 1);
     EXPECT_FALSE(other.budget.choice().bilinear);
+}
+
+TEST(FrameBudget, LearnsWhatZoomDoesNotSave) {
+    // Drawing sounds as if it grew with the pixels, and does not. Judged by pixels alone, the full
+    // picture would seem to take four times what it took small, and never be tried again.
+    Plant plant{.light_ms = 5, .pixels_ms = 60, .still_ms = 5, .stuck_ms = 25};
+    Play run(automatic(80, 2));
+    for (int i = 0; i < 60; ++i) run.step(plant);
+    EXPECT_EQ(run.budget.choice().zoom, 2);
+    plant.pixels_ms = 8;
+    for (int i = 0; i < 150; ++i) run.step(plant);
+    EXPECT_EQ(run.budget.choice().zoom, 1);
+    EXPECT_LE(run.changes(), 4u);
 }
 
 TEST(FrameBudget, TakesTheBilinearWayOnlyWhereTheGuidedOneDoesNotFit) {
