@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "apps/bench/forward_samples.h"
 #include "apps/bench/registry.h"
 #include "tests/viz/lights/light_baselines.h"
 #include "tests/viz/lights/light_rig.h"
@@ -360,6 +361,7 @@ void bench_forward_plus(BenchContext& context) {
     brute_force(bench, 3072);
     curves(bench);
     columns(bench);
+    bench_forward_samples(context, **device);
     context.note(
         "cull: packing and uploading lights, tile bounds, culling, and for lists by the "
         "host the host's work; shade: the pass that walks the lists. Each in a submit of "

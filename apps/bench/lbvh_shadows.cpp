@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
+#include <memory>
 #include <optional>
 
 #include "apps/bench/lbvh_rays.h"
@@ -33,6 +35,87 @@ std::uint64_t bits_of(const std::vector<glm::uvec4>& masks) {
 std::vector<glm::uvec4> difference(std::vector<glm::uvec4> a, const std::vector<glm::uvec4>& b) {
     for (std::size_t i = 0; i < a.size(); ++i) a[i] ^= b[i];
     return a;
+}
+
+/// The live frame as an occluder: its tree is made anew each frame.
+void bench_live_shadows(BenchContext& context, gpu::Device& device, graph::Executor& executor) {
+    const bool quick = context.quick();
+    ShadowStage stage({.width = quick ? 320 : 640,
+                       .height = quick ? 180 : 360,
+                       .balls = 20,
+                       .rings = 16,
+                       .lights = 64,
+                       .spots = false,
+                       .unshadowed = false,
+                       .hole = false});
+    const std::string what =
+        fmt::format("live frame of 640x480, 64 lights, {}x{}", stage.view.width, stage.view.height);
+    const RayShadowOptions options{.half_resolution = false, .rays_per_pixel = 128};
+    struct Level {
+        std::string name;
+        int columns = 0;  ///< 0: the frame casts no shadows
+        BuildPlace place = BuildPlace::host;
+    };
+    const std::vector<Level> levels = {
+        {"none", 0},         {"every pixel", 640},
+        {"160 across", 160}, {"80 across", 80},
+        {"40 across", 40},   {"80 across, tree by the device", 80, BuildPlace::device}};
+    const LiveDepth live = test::live_shell(stage, 640, 480);
+    std::vector<Timing> upload, trace;
+    std::vector<ShadowCast> casts(levels.size());
+    std::vector<std::size_t> triangles(levels.size());
+    std::vector<std::unique_ptr<SceneBvh>> trees;
+    for (const Level& level : levels) {
+        upload.push_back({level.name, {}});
+        trace.push_back({level.name, {}});
+        trees.push_back(std::make_unique<SceneBvh>(device));
+    }
+    for (int round = -1; round < (quick ? 3 : 7); ++round) {
+        for (std::size_t i = 0; i < levels.size(); ++i) {
+            stage.scene.live = live;
+            stage.scene.live->casts_shadows = levels[i].columns > 0;
+            // Another frame each time, as a sensor's are.
+            stage.scene.live->surface = std::make_shared<DepthSurface>(*live.surface);
+            const SceneBvhOptions tree{.place = levels[i].place,
+                                       .live_columns = std::max(levels[i].columns, 2)};
+            const auto begun = std::chrono::steady_clock::now();
+            if (auto made = trees[i]->upload(stage.scene, tree); !made) {
+                return context.fail(made.error());
+            }
+            const std::chrono::duration<double, std::milli> host =
+                std::chrono::steady_clock::now() - begun;
+            casts[i] = test::cast_shadows(device, executor, stage, *trees[i], options);
+            triangles[i] = trees[i]->live_soup().triangles.size();
+            if (round < 0) continue;
+            upload[i].ms.push_back(host.count() + casts[i].build_ms);
+            trace[i].ms.push_back(casts[i].shadow_ms);
+        }
+    }
+    const Comparison comparison(trace);
+    std::string table;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        const double off = double(bits_of(difference(casts[i].masks, casts[1].masks))) /
+                           double(casts[1].counters.jobs);
+        context.add({.case_name = what,
+                     .knob = "live frame as occluder",
+                     .level = levels[i].name,
+                     .ms_median = trace[i].median_ms(),
+                     .ms_p95 = trace[i].p95_ms(),
+                     .error = off,
+                     .metric = "share of bits off every pixel",
+                     .baseline = "none",
+                     .speedup = comparison.speedup(levels[i].name, "none")});
+        table += fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.5f} |\n", levels[i].name,
+                             triangles[i], upload[i].median_ms(), trace[i].median_ms(), off);
+    }
+    context.claim("ray-cast shadows: the live frame's tree is the same by host and device",
+                  casts[3].masks == casts[5].masks);
+    context.section(
+        "## The live frame as an occluder\n\nA shell of depth pixels in the middle of a room. Its "
+        "triangles are gathered and built into a tree of their own each frame.\n\n"
+        "| vertices | triangles | gather and build, ms | rays, ms | bits off |\n"
+        "|---|---:|---:|---:|---:|\n" +
+        table);
 }
 
 }  // namespace
@@ -170,6 +253,7 @@ void bench_ray_shadows(BenchContext& context, gpu::Device& device, graph::Execut
                      .baseline = "Embree"},
                     peers);
     }
+    bench_live_shadows(context, device, executor);
     context.section(
         "## Shadows of 512 lights\n\nJob creation and all passes included on the device.\n\n"
         "| | rays | lights without a ray | Mray/s |\n|---|---:|---:|---:|\n" +

@@ -62,6 +62,10 @@ constexpr Entry kEntries[] = {
     {"forward-plus", "lights in lists against deferred, clustered, host lists and brute force",
      &bench_forward_plus},
 #endif
+#ifdef KINO_BENCH_ONE_BOUNCE
+    {"one-bounce", "virtual lights against a double-precision sum over what a torch shines on",
+     &bench_one_bounce},
+#endif
 #ifdef KINO_BENCH_GOVERNOR
     {"governor", "the frame budget on a stage with disturbances, against fixed settings",
      &bench_governor},

@@ -165,38 +165,12 @@ TEST_F(RayShadowsTest, rays_beyond_a_pixels_share_are_counted_and_leave_no_shado
     }
 }
 
-/// Something in the middle of the stage's room as a depth camera under the ceiling would see it: a
-/// bent shell, and nothing round it.
-LiveDepth shell_in(const ShadowStage& stage) {
-    const glm::dvec3 room = stage.scene.meshes[0].world_from_object[3];
-    constexpr int kShellWidth = 160, kShellHeight = 120;
-    const Projection k = perspective(1.0, kShellWidth, kShellHeight);
-    auto surface = std::make_shared<DepthSurface>();
-    auto rays = std::make_shared<Image<RayXy>>(kShellWidth, kShellHeight);
-    surface->depth_m.resize(kShellWidth, kShellHeight);
-    surface->focal_px = k.fx;
-    for (int y = 0; y < kShellHeight; ++y) {
-        for (int x = 0; x < kShellWidth; ++x) {
-            const glm::vec2 ray((x - k.cx) / k.fx, (y - k.cy) / k.fy);
-            rays->at(x, y) = {ray.x, ray.y};
-            const float across = glm::dot(ray, ray) / 0.3f;
-            surface->depth_m.at(x, y) =
-                across < 1 ? 1.5f - 0.3f * std::sqrt(1 - across) + 0.02f * std::sin(9 * ray.x) : 0;
-        }
-    }
-    surface->rays = rays;
-    return {
-        .surface = surface,
-        .world_from_depth = look_at(room + glm::dvec3(0, 2.9, 0), room + glm::dvec3(0.2, 0, 0.1)),
-        .casts_shadows = true};
-}
-
 TEST_F(RayShadowsTest, the_live_frame_casts_the_shadows_that_embree_finds) {
     ShadowStage stage({.width = 48, .height = 34, .lights = 24});
     const RayShadowOptions options{
         .half_resolution = false, .rays_per_pixel = 128, .offset = kOffset};
     const ShadowCast without = cast(stage, options);
-    stage.scene.live = shell_in(stage);
+    stage.scene.live = test::live_shell(stage, 160, 120);
     for (const int columns : {27, 80}) {
         for (const bool with_meshes : {true, false}) {
             SCOPED_TRACE(columns);
@@ -255,7 +229,7 @@ TEST_F(RayShadowsTest, the_live_frame_casts_the_shadows_that_embree_finds) {
 // gathered once.
 TEST_F(RayShadowsTest, the_live_frames_tree_leaves_that_of_the_meshes_alone) {
     ShadowStage stage({.lights = 9});
-    stage.scene.live = shell_in(stage);
+    stage.scene.live = test::live_shell(stage, 160, 120);
     SceneBvh bvh(device());
     ASSERT_TRUE(bvh.upload(stage.scene).has_value());
     const std::uint64_t with_live = bvh.bytes();

@@ -38,6 +38,10 @@ struct ShadowStage {
     }
 };
 
+/// Something in the middle of the stage's room as a depth camera under the ceiling would see it: a
+/// bent shell, and nothing round it.
+[[nodiscard]] LiveDepth live_shell(const ShadowStage& stage, int width, int height);
+
 /// What the device made of a stage.
 struct ShadowCast {
     std::vector<glm::uvec4> masks;
@@ -47,6 +51,7 @@ struct ShadowCast {
     std::vector<std::uint32_t> indices;
     LightLists lists;
     double shadow_ms = 0;
+    double build_ms = 0;  ///< of trees by passes
 };
 /// Throws std::runtime_error where the device fails.
 [[nodiscard]] ShadowCast cast_shadows(gpu::Device& device, graph::Executor& executor,
