@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "apps/demo/players.h"
 #include "apps/stage/bundled.h"
 
 namespace kino::demo {
@@ -16,7 +17,9 @@ constexpr std::size_t kManyJoints = 8;
 void adapt(SceneFile& file) {
     for (SceneRole& role : file.roles) {
         role.trail.reset();
-        role.people = std::max(role.people, 2);
+        // Two may play; but shadows and bounces of light for two would be slow.
+        const bool dear = role.light && (role.light->shadow || role.light->indirect);
+        if (!dear) role.people = std::max(role.people, static_cast<int>(Players::kMost));
         const bool many = role.joints.empty() || role.joints.size() >= kManyJoints;
         if (many && role.light && role.light->kind == LightKind::point) role.light.reset();
     }

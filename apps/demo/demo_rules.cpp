@@ -153,6 +153,7 @@ void DemoPlay::State::hear(const GestureEvent& event) {
     if (event.kind == GestureKind::wave) {
         const demo::Player* primary = players.primary();
         if (primary != nullptr && primary->id != id) engage(id, false);
+        if (primary != nullptr && primary->id == id) log("wave", {}, id);  // offers the lead
         return praise(event);
     }
     const int place = players.place_of(id);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t kPaintIds = 20000, kBallIds = 30000, kAvatarIds = 40000;
 static_assert(kPaintIds + demo::Painter::kIds <= kBallIds);
 
-constexpr double kPlaceEaseS = 0.35;
+constexpr double kPlaceEaseS = 0.35, kPlacedM = 2e-3;
 constexpr double kFollowFromM = 0.35, kFollowToM = 0.06;
 constexpr float kBallIntensity = 0.55f, kBallRadiusM = 2.4f;
 constexpr double kFlashLight = 0.8;
@@ -64,7 +64,11 @@ void DemoPlay::State::swap_act() {
 }
 
 void DemoPlay::State::run_stage(double dt_s, const DemoMoment&) {
-    stands = interpolate(stands, stands_to, demo::eased(dt_s, kPlaceEaseS));
+    if (glm::distance(stands.translation, stands_to.translation) < kPlacedM) {
+        stands = stands_to;  // for good: what stands still is not worked on
+    } else {
+        stands = interpolate(stands, stands_to, demo::eased(dt_s, kPlaceEaseS));
+    }
     const bool swapped = curtain.step(dt_s);
     if (swapped) swap_act();
     for (demo::Colors& own : colors) own.step(dt_s);
@@ -79,7 +83,8 @@ void DemoPlay::State::run_stage(double dt_s, const DemoMoment&) {
         if (!player.primary || one == nullptr || !(*one)[Joint::hip_center].known) continue;
         pivot = inverse(world_from_stage()) * (*one)[Joint::hip_center].world_m;
     }
-    turntable.step(dt_s, pivot, phase == DemoPhase::attract);
+    turntable.step(dt_s, pivot, phase == DemoPhase::attract,
+                   {director.file().camera, now().room, now().solids});
     painter.step(dt_s, players, cast.members(),
                  world_from_stage().rotation * glm::dvec3(0, 0, 0.08));
     aura.step(dt_s, cast.members(), players);

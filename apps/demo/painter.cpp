@@ -11,8 +11,8 @@ namespace {
 constexpr double kSpacingM = 0.03;
 constexpr double kPaletteM = 2.4;  // of way for once through the palette
 constexpr double kStrokeM = 0.02;
-constexpr float kTrailIntensity = 0.03f, kTrailRadiusM = 0.55f;
-constexpr float kShare = 80;
+constexpr float kTrailIntensity = 0.024f, kTrailRadiusM = 0.55f;
+constexpr float kShare = 55;
 constexpr float kSparkIntensity = 0.05f, kSparkRadiusM = 0.6f;
 constexpr double kSparkM = 0.032;
 constexpr double kTailPart = 0.15;  // the oldest of a full trail fades

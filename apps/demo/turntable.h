@@ -24,8 +24,15 @@ class Turntable {
     void let_go();
     /// Back to where the scene has it, over a second.
     void straighten();
+    /// What the camera must not stand in, nor have between it and its target.
+    struct Around {
+        const SceneCamera& camera;
+        const RoomBox& room;
+        const std::vector<Solid>& solids;
+    };
     /// `pivot_m`: stage; where the player is. `nobody`: it goes round by itself.
-    void step(double dt_s, const std::optional<glm::dvec3>& pivot_m, bool nobody);
+    void step(double dt_s, const std::optional<glm::dvec3>& pivot_m, bool nobody,
+              const Around& around);
     struct Look {
         glm::dvec3 eye_m{0}, target_m{0};
     };
@@ -38,11 +45,17 @@ class Turntable {
     [[nodiscard]] double zoom_to() const { return zoom_to_; }
 
   private:
+    [[nodiscard]] double wandering_yaw() const;
+    [[nodiscard]] Look look_at_yaw(double yaw_rad, const SceneCamera& camera,
+                                   const RoomBox& room) const;
+    [[nodiscard]] double free_part(double yaw_rad, const Around& around) const;
+
     double yaw_ = 0, yaw_to_ = 0, yaw_from_ = 0;
     double zoom_ = 1, zoom_to_ = 1, zoom_from_ = 1;
     double time_s_ = 0;
     double alone_ = 0;  ///< 1: goes round by itself
     double ease_s_ = 0.1;
+    double part_ = 1;  ///< of the way back that the eye goes, for what stands in it
     glm::dvec3 pivot_{0};
 };
 
