@@ -58,6 +58,10 @@ constexpr Entry kEntries[] = {
 #ifdef KINO_BENCH_BODIES
     {"bodies", "joints of tracked bodies: error, jitter, lag and time", &bench_bodies, "skeleton"},
 #endif
+#ifdef KINO_BENCH_ZOOM
+    {"zoom", "coarser pictures enlarged by copies: copies, scenes, and a head before a window",
+     &bench_zoom},
+#endif
 #ifdef KINO_BENCH_FORWARD_PLUS
     {"forward-plus", "lights in lists against deferred, clustered, host lists and brute force",
      &bench_forward_plus},

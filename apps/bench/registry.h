@@ -23,6 +23,7 @@ void bench_registration(BenchContext& context);
 void bench_calibration(BenchContext& context);
 void bench_forest(BenchContext& context);
 void bench_bodies(BenchContext& context);
+void bench_zoom(BenchContext& context);
 void bench_governor(BenchContext& context);
 
 namespace bench {
