@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/framebuffer_lod_fix.h"
 #include "apps/bench/lod_stage.h"
 #include "apps/bench/registry.h"
 #include "viz/quality/edge_band.h"
@@ -276,6 +277,7 @@ void bench_framebuffer_lod(BenchContext& context) {
         if (!player) return context.fail(player.error());
         bench.scene(**player);
     }
+    bench::bench_lod_fixes(context, **device);
     context.note(fmt::format(
         "{}x{}; the reference is the same shading at every pixel. Car: soft shadow of 9x9 taps; "
         "dragon: ten octaves of noise and a highlight; chess: ambient occlusion by 32 rays; room: "
