@@ -12,21 +12,17 @@ namespace {
 constexpr std::array<double, 8> kPlanLevels = {1, 1.25, 1.5, 2, 3, 4, 5.6, 8};
 
 /// Lagrange's factor for one component.
-double factor_at(const LodComponent& c, double lambda) {
-    if (c.error <= 0) return kPlanLevels.back();
+double factor_at(const LodComponent& c, double lambda, double most) {
+    if (c.error <= 0) return most;
     const double r =
         std::pow(2 * lambda * c.cost_ns / (c.exponent * c.error), 1 / (c.exponent + 2));
-    return std::clamp(r, 1.0, kPlanLevels.back());
+    return std::clamp(r, 1.0, most);
 }
 
-std::size_t nearest_level(double r) {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < kPlanLevels.size(); ++i) {
-        if (std::abs(std::log(kPlanLevels[i] / r)) < std::abs(std::log(kPlanLevels[best] / r))) {
-            best = i;
-        }
-    }
-    return best;
+double nearest_level(std::span<const double> levels, double r) {
+    return *std::min_element(levels.begin(), levels.end(), [r](double a, double b) {
+        return std::abs(std::log(a / r)) < std::abs(std::log(b / r));
+    });
 }
 
 /// Plans compare by error within the budget; beyond it, by cost.
@@ -37,7 +33,7 @@ bool better(const LodPlan& a, const LodPlan& b) {
 
 /// Tries every change of one component, and of two at once, until none helps.
 LodPlan bettered(std::span<const LodComponent> components, LodPlan plan, double budget_ns,
-                 double reconstruction_ns) {
+                 double reconstruction_ns, std::span<const double> levels) {
     const auto price = [&](const std::vector<double>& r) {
         return price_lod_plan(components, r, budget_ns, reconstruction_ns);
     };
@@ -45,8 +41,8 @@ LodPlan bettered(std::span<const LodComponent> components, LodPlan plan, double 
         moved = false;
         for (std::size_t i = 0; i < components.size(); ++i) {
             for (std::size_t j = i; j < components.size(); ++j) {
-                for (const double ri : kPlanLevels) {
-                    for (const double rj : kPlanLevels) {
+                for (const double ri : levels) {
+                    for (const double rj : levels) {
                         if (i == j && ri != rj) continue;
                         std::vector<double> r = plan.r;
                         r[i] = ri;
@@ -90,7 +86,8 @@ LodPlan price_lod_plan(std::span<const LodComponent> components, std::vector<dou
 }
 
 LodPlan plan_lod(std::span<const LodComponent> components, double budget_ns,
-                 double reconstruction_ns) {
+                 double reconstruction_ns, std::span<const double> levels) {
+    KINO_CHECK(!levels.empty() && levels.front() == 1);
     const auto price = [&](std::vector<double> r) {
         return price_lod_plan(components, std::move(r), budget_ns, reconstruction_ns);
     };
@@ -106,7 +103,8 @@ LodPlan plan_lod(std::span<const LodComponent> components, double budget_ns,
             std::vector<double> r;
             r.reserve(components.size());
             for (std::size_t i = 0; i < components.size(); ++i) {
-                r.push_back((whole >> i & 1) != 0 ? 1.0 : factor_at(components[i], lambda));
+                r.push_back(
+                    (whole >> i & 1) != 0 ? 1.0 : factor_at(components[i], lambda, levels.back()));
             }
             return r;
         };
@@ -117,10 +115,23 @@ LodPlan plan_lod(std::span<const LodComponent> components, double budget_ns,
             (price(factors(middle)).cost_ns > budget_ns ? low : high) = middle;
         }
         std::vector<double> snapped = factors(high);
-        for (double& r : snapped) r = kPlanLevels[nearest_level(r)];
+        for (double& r : snapped) r = nearest_level(levels, r);
         LodPlan plan =
-            bettered(components, price(std::move(snapped)), budget_ns, reconstruction_ns);
+            bettered(components, price(std::move(snapped)), budget_ns, reconstruction_ns, levels);
         if (better(plan, best)) best = std::move(plan);
+    }
+    return best;
+}
+
+LodPlan plan_nested_lod(std::span<const LodComponent> components, double budget_ns,
+                        double reconstruction_ns) {
+    constexpr double kMostNested = 8;
+    LodPlan best;
+    for (double first = 1.25; first <= 4; first += 0.25) {
+        std::vector<double> levels = {1};
+        for (double r = first; r <= kMostNested; r *= 2) levels.push_back(r);
+        LodPlan plan = plan_lod(components, budget_ns, reconstruction_ns, levels);
+        if (best.r.empty() || better(plan, best)) best = std::move(plan);
     }
     return best;
 }

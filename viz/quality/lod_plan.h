@@ -38,8 +38,15 @@ struct LodPlan {
 /// lambda by bisection, for every split into resized and whole ones; the nearest levels are then
 /// bettered two components at a time. At most ten components. Where nothing fits the budget,
 /// `within_budget` is false and the plan is a cheap one.
+/// `levels` ascend from 1.
 [[nodiscard]] LodPlan plan_lod(std::span<const LodComponent> components, double budget_ns,
-                               double reconstruction_ns);
+                               double reconstruction_ns,
+                               std::span<const double> levels = lod_plan_levels());
+
+/// The same with factors r0 2^m, r0 of 1.25, 1.5 ... 4, beside 1: coarser guides can then be picked
+/// from finer ones.
+[[nodiscard]] LodPlan plan_nested_lod(std::span<const LodComponent> components, double budget_ns,
+                                      double reconstruction_ns);
 
 /// Least squares of t = K / r^2 + C, each time weighted by its inverse.
 struct LodTimeFit {
