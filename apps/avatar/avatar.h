@@ -16,13 +16,15 @@ namespace kino {
 
 struct AvatarOptions {
     /// The left limb of the person moves the right one of the avatar, which then is a mirror image
-    /// seen face to face.
+    /// seen face to face: reflected in the upright plane through AvatarMoment::middle_m that
+    /// contains `facing`.
     bool mirror = false;
     /// Bones take the person's lengths; false: the rig keeps its own, and feet may leave the
     /// joints.
     bool scale_bones = true;
     SkinBlend skin = SkinBlend::dual_quaternion;
-    /// An avatar of whom nobody sees anything fades for so long and is gone.
+    /// An avatar of whom nobody sees anything shrinks into the floor for so long and is gone; one
+    /// who comes back nearby before that goes on.
     double hand_over_s = 0.6;
     /// With nobody there for `idle_after_s`, one avatar stands at the middle and moves by itself.
     bool idle = true;
@@ -39,7 +41,8 @@ struct AvatarMoment {
 };
 
 /// Up to six rigged characters that move as people do. The same moments give the same bits. What
-/// it puts into a scene is finite whatever joints are.
+/// it puts into a scene is finite whatever joints are. Who is who is decided by place first and by
+/// Body::id second, so identities that swap do not. docs/avatars.md.
 class AvatarTroupe {
   public:
     static constexpr std::size_t kPlaces = 6;

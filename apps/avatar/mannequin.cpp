@@ -219,8 +219,8 @@ std::vector<Limb> Builder::body_limbs() const {
         add(at_.shoulder, glm::mix(at_.shoulder, at_.elbow, 0.45), 0.057, 0.049);
         add(glm::mix(at_.shoulder, at_.elbow, 0.45), at_.elbow, 0.049, 0.038);
         add(at_.elbow, at_.elbow + 0.32 * fore, 0.038, 0.043);
-        add(at_.elbow + 0.32 * fore, at_.wrist, 0.043, 0.027);
-        add(at_.wrist, at_.hand, 0.027, 0.030);
+        add(at_.elbow + 0.32 * fore, at_.wrist, 0.043, 0.026);
+        add(at_.wrist, at_.hand, 0.016, 0.012);
         add({0.080, 0.93, -0.030}, {0.088, 0.88, -0.024}, 0.090, 0.088);
         add(at_.hip, glm::mix(at_.hip, at_.knee, 0.4), 0.088, 0.080);
         add(glm::mix(at_.hip, at_.knee, 0.4), at_.knee, 0.080, 0.054);
@@ -260,7 +260,7 @@ AvatarRig Builder::build() {
         }
         return d;
     };
-    add_part("body", polygonize(body, {-0.72, 0.0, -0.20}, {0.72, 1.80, 0.20}, 0.029), 1,
+    add_part("body", polygonize(body, {-0.72, 0.0, -0.20}, {0.72, 1.80, 0.20}, 0.031), 1,
              [&](int joint) { return joint != foot_[0] && joint != foot_[1]; });
 
     const auto both = [](const std::vector<Limb>& left) {
@@ -278,7 +278,7 @@ AvatarRig Builder::build() {
     const auto sole = both(shoe);
     add_part("shoes",
              polygonize([&](const dvec3& p) { return std::max(sole(p), -p.y); },
-                        {-0.20, -0.02, -0.12}, {0.20, 0.15, 0.18}, 0.019),
+                        {-0.20, -0.02, -0.12}, {0.20, 0.15, 0.18}, 0.022),
              2, [&](int joint) {
                  const std::string& name = rig_.joints[static_cast<std::size_t>(joint)].name;
                  return name.starts_with("ankle") || name.starts_with("foot") ||
@@ -288,25 +288,22 @@ AvatarRig Builder::build() {
     // Mittens: the palm flat, the thumb forward.
     const dvec3 fore = glm::normalize(at_.hand - at_.wrist);
     const std::vector<Limb> glove = {
-        {at_.wrist - 0.012 * fore, at_.wrist + 0.03 * fore, 0.033, 0.034},
+        {at_.wrist - 0.018 * fore, at_.wrist + 0.03 * fore, 0.038, 0.036},
         {at_.wrist + 0.035 * fore, at_.hand, 0.033, 0.036},
         {at_.hand, at_.hand + 0.085 * fore, 0.033, 0.020},
         {at_.wrist + 0.03 * fore + dvec3(0, 0, 0.02), at_.hand + 0.018 * fore + dvec3(0, 0, 0.052),
          0.018, 0.012}};
-    add_part("gloves", polygonize(both(glove), {-0.76, 0.84, -0.12}, {0.76, 1.12, 0.16}, 0.018), 2,
+    add_part("gloves", polygonize(both(glove), {-0.76, 0.84, -0.12}, {0.76, 1.12, 0.16}, 0.0185), 2,
              [&](int joint) {
                  const std::string& name = rig_.joints[static_cast<std::size_t>(joint)].name;
                  return name.starts_with("wrist") || name.starts_with("hand") ||
                         name.starts_with("forearm");
              });
 
-    const auto visor = [&](const dvec3& p) {
-        // A band of the head, a little prouder than it.
-        const double band = std::max(std::abs(p.y - 1.632) - 0.024, 0.035 - p.z);
-        const double shell = body(p) - 0.006;
-        return std::max(shell, band);
-    };
-    add_part("visor", polygonize(visor, {-0.12, 1.58, 0.0}, {0.12, 1.69, 0.15}, 0.013), 3,
+    // Goggles round the front of the head.
+    const std::vector<Limb> visor = {{{0, 1.634, 0.094}, {0.046, 1.634, 0.080}, 0.023, 0.022},
+                                     {{0.046, 1.634, 0.080}, {0.077, 1.634, 0.022}, 0.022, 0.016}};
+    add_part("visor", polygonize(both(visor), {-0.12, 1.58, -0.02}, {0.12, 1.69, 0.13}, 0.013), 3,
              [&](int joint) { return joint == head_; });
     return rig_;
 }
