@@ -19,14 +19,17 @@ constexpr TimeNs kIdlePicture = 50 * kNsPerMs;
 constexpr TimeNs kMinimised = kNsPerSecond / 10;
 constexpr TimeNs kLookForFrame = 2 * kNsPerMs;
 constexpr TimeNs kNoteTime = 4 * kNsPerSecond;
-constexpr TimeNs kSilence = kNsPerSecond;  ///< of a sensor, before it is told
-constexpr int kWarmPart = 4;               ///< side of a picture that is drawn for its pipelines
+/// Rather late than without edges: half the pixels with an eighth of the light is the least.
+constexpr double kWorstError = 0.08;
+constexpr int kWarmPart = 4;  ///< side of a picture that is drawn for its pipelines
 
 FrameBudgetOptions budget_of(const ShowOptions& options) {
     if (options.lod) {
         return {.mode = GovernorMode::fixed, .target_ms = options.target_ms, .lod = *options.lod};
     }
-    return {.mode = GovernorMode::automatic, .target_ms = options.target_ms};
+    return {.mode = GovernorMode::automatic,
+            .target_ms = options.target_ms,
+            .worst_error = kWorstError};
 }
 
 /// "kinoscope-NNN.png" that is not there yet.
@@ -167,50 +170,6 @@ void ShowWindow::take(SourceDesk::Shown shown, TimeNs now) {
         feed_.show(*shown.fresh);
         fresh_ = std::move(shown.fresh);
     }
-}
-
-std::vector<std::string> ShowWindow::stats() const {
-    const FrameChoice& choice = budget_.choice();
-    std::vector<std::string> lines = {
-        fmt::format("{:.1f} pictures a second, {:.1f} ms each (target {:.1f})", pictures_per_s_,
-                    picture_times_.median_ms(), options_.target_ms),
-        fmt::format("scene {}, {} lights", play_->scene_name(), play_->local_lights())};
-    std::string levels;
-    for (const std::string& level : choice.levels) levels += (levels.empty() ? "" : ", ") + level;
-    lines.push_back("quality: " + (levels.empty() ? "full" : levels));
-    return lines;
-}
-
-ShowScreen ShowWindow::screen(TimeNs now) {
-    ShowScreen screen;
-    screen.guidance = {&play_->guidance(), play_->second_guidance()};
-    screen.scene_name = scene_name_;
-    screen.scene_name_shown_s = scene_name_shown_s_;
-    screen.keys = keys_;
-    if (mode_ == ShowMode::lost) {
-        screen.trouble = ShowScreen::Trouble{
-            "The sensor is gone", "Check its cable and its power: it goes on by itself."};
-    } else if (mode_ == ShowMode::attract) {
-        if (desk_->has_sensor()) {
-            screen.banner = "step in front of the sensor";
-        } else if (desk_->knows_of_none()) {
-            screen.banner = "no sensor: watching a recording";
-        }
-    } else if (!feed_.has_frame() && now - opened_ > kSilence) {
-        screen.banner = "waiting for the sensor";
-    }
-    if (paused_) screen.note = "paused";
-    if (now < note_until_) screen.note = note_;
-    if (stats_) screen.stats = stats();
-    if (LiveRunner* runner = desk_->runner()) {
-        const LiveStatus status = runner->status();
-        screen.records = status.is_recording;
-        if (status.recording && !status.recording->error.empty()) {
-            screen.note = "recording: " + status.recording->error;
-        }
-        if (!status.bodies_error.empty()) screen.note = status.bodies_error;
-    }
-    return screen;
 }
 
 /// While the curtain hides the stage, the next scene's pipelines are made by a small picture.

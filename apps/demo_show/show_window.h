@@ -56,7 +56,8 @@ class ShowWindow {
     std::vector<GestureEvent> heard_;      ///< gestures that no picture shows yet
     std::optional<ProcessedFrame> fresh_;  ///< that no picture shows yet
     std::uint32_t player_ = 0;             ///< the last who was engaged and not released
-    bool paused_ = false, keys_ = false, stats_ = false, screenshot_ = false, warmed_ = false;
+    bool paused_ = false, keys_ = false, stats_ = false, screenshot_ = false, warmed_ = false,
+         told_why_ = false;
     std::optional<glm::ivec4> windowed_;  ///< place and size before the whole screen was filled
     std::string note_;
     TimeNs note_until_ = 0;

@@ -43,7 +43,11 @@ class SourceDesk {
 
     [[nodiscard]] bool has_sensor() const { return live_ != nullptr; }
     /// Whoever looks for one has come back empty-handed once; before, nothing is known.
-    [[nodiscard]] bool knows_of_none() const { return watch_ && watch_->trouble().has_value(); }
+    [[nodiscard]] bool knows_of_none() const { return trouble().has_value(); }
+    /// Why there is no sensor, as far as that is known.
+    [[nodiscard]] std::optional<Error> trouble() const {
+        return watch_ ? watch_->trouble() : std::nullopt;
+    }
     /// The source that is shown now; null before there is one.
     [[nodiscard]] LiveRunner* runner();
 

@@ -16,6 +16,9 @@ constexpr int kCalmFrames = 30;
 /// A cheaper level must save this share of the frame; the one in use is kept while it saves less.
 constexpr double kPays = 0.05;
 constexpr double kStillPays = 0.01;
+/// Where not even that reaches the target, so much of the frame must be saved for each unit of mean
+/// FLIP that is lost: a picture that is late all the same need not be ugly as well.
+constexpr double kWorth = 5;
 /// Every so often all groups are measured at once, which costs a fence each.
 constexpr std::int64_t kFullMeasure = 32;
 /// After a change of the level memory is made anew, and the first time pipelines are.
@@ -72,11 +75,24 @@ void FrameBudget::note() {
     log_.push_back(now);
 }
 
+bool FrameBudget::pays(std::size_t level, double ms, double better_ms, double better_error) const {
+    const bool in_use = level == level_;
+    if (!(ms < (1 - (in_use ? kStillPays : kPays)) * better_ms)) return false;
+    const double reach_ms = (in_use ? kLate : kHeadroom) * options_.target_ms;
+    if (ms <= reach_ms) return true;
+    const double worth = (in_use ? 0.7 : 1) * kWorth;
+    return better_ms - ms >= worth * (levels_[level].error - better_error) * better_ms;
+}
+
 void FrameBudget::choose(const Scene& scene, const View& view) {
     const bool staged = wants_stage(scene);
     const glm::ivec2 size(view.width, view.height);
     if (levels_.empty() || staged != staged_) {
         levels_ = picture_levels(staged, options_.most_zoom);
+        // The best loses nothing, so something is left.
+        std::erase_if(levels_, [this](const PictureLevel& level) {
+            return level.error > std::max(0.0, options_.worst_error);
+        });
         level_ = 0;
     }
     if (size != size_ || staged != staged_) cost_ = PictureCost();
@@ -84,14 +100,18 @@ void FrameBudget::choose(const Scene& scene, const View& view) {
     size_ = size;
 
     PartOffer part{.name = kPart, .levels = {}, .first_ms_per_work = 1};
-    double least_ms = 0;
+    double least_ms = 0, least_error = 0;
     for (std::size_t i = 0; i < levels_.size(); ++i) {
-        double ms = cost_.ms(levels_[i], size);
-        // What hardly saves is offered at the price of the better level, so nobody takes it.
-        const double share = i == level_ ? kStillPays : kPays;
-        if (i > 0) ms = ms < (1 - share) * least_ms ? ms : std::max(ms, least_ms);
-        least_ms = i == 0 ? ms : std::min(least_ms, ms);
-        part.levels.push_back({levels_[i].name(), ms, levels_[i].error});
+        const PictureLevel& level = levels_[i];
+        double ms = cost_.ms(level, size);
+        if (i == 0 || pays(i, ms, least_ms, least_error)) {
+            least_ms = ms;
+            least_error = level.error;
+        } else {
+            // Offered at the price of the better level, so nobody takes it.
+            ms = std::max(ms, least_ms);
+        }
+        part.levels.push_back({level.name(), ms, level.error});
     }
     const std::vector<PartOffer> wanted = {std::move(part)};
     const std::size_t chosen = governor_.begin_frame(wanted)[0];

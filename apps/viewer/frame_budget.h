@@ -20,6 +20,8 @@ struct FrameBudgetOptions {
     double lod = 1;     ///< fixed: resizing factor of the light
     int zoom = 1;       ///< fixed: pixels of the screen along a side of a drawn one
     int most_zoom = 2;  ///< automatic: not beyond
+    /// Automatic: levels that lose more (mean FLIP) are not taken however late frames are.
+    double worst_error = 1;
 };
 
 /// What was chosen for a frame, and what it is expected to cost and lose.
@@ -35,7 +37,8 @@ struct FrameChoice {
 
 /// Keeps a program's pictures at their rate: offers the governor what can be traded in this scene,
 /// puts its choice into the frame's options, and tells it what the frame took. A level that is
-/// expected to save less than a twentieth of the frame is not worth its error and not chosen.
+/// expected to save less than a twentieth of the frame is not worth its error and not chosen; nor,
+/// where it misses the target all the same, one that saves little for what it loses.
 class FrameBudget {
   public:
     explicit FrameBudget(const FrameBudgetOptions& options);
@@ -71,6 +74,9 @@ class FrameBudget {
 
   private:
     void choose(const Scene& scene, const View& view);
+    /// Whether a level is worth its error beside a better and dearer one.
+    [[nodiscard]] bool pays(std::size_t level, double ms, double better_ms,
+                            double better_error) const;
     void take(const PictureLevel& level);
     void note();
 
