@@ -21,8 +21,10 @@ TEST(QualityFloor, HoweverLateFramesAreNothingWorseIsTaken) {
             budget.frame_took(result, result.ms);
         }
         EXPECT_LE(most, worst);
-        // As far as it may, it goes.
-        EXPECT_GE(most, worst < 0.05 ? 0 : std::min(worst, 0.15) / 2);
+        // Where it may, it goes beyond the strict ones of these.
+        if (worst > 0.05) {
+            EXPECT_GT(most, 0.02);
+        }
     }
 }
 
