@@ -29,6 +29,10 @@ inline float magnitude(float x) {
     return x < 0 ? -x : x;
 }
 
+inline float depth_of(const Row& row, int i, int j) {
+    return row.inverse_z[within(j, row.height) * row.depth_pitch + within(i, row.width)];
+}
+
 template <bool kDepths>
 int places_of(const Row& row, int first_x, int count, float* u, float* v) {
     int outside = 0;
@@ -49,9 +53,7 @@ int places_of(const Row& row, int first_x, int count, float* u, float* v) {
             const auto depth_at = [&](float inverse) {
                 const float pu = bounded(at_u + inverse * along_u, row.width);
                 const float pv = bounded(at_v + inverse * along_v, row.height);
-                const int i = within(floor_of(pu + 0.5f), row.width);
-                const int j = within(floor_of(pv + 0.5f), row.height);
-                return row.inverse_z[j * row.depth_pitch + i];
+                return depth_of(row, floor_of(pu + 0.5f), floor_of(pv + 0.5f));
             };
             const float first = depth_at(w);
             const float second = depth_at(first);
@@ -62,11 +64,24 @@ int places_of(const Row& row, int first_x, int count, float* u, float* v) {
             const float farther = second < third ? first : second;
             w = off > 0.5f ? farther : third;
         }
-        const float to_u = at_u + w * along_u;
-        const float to_v = at_v + w * along_v;
+        float to_u = at_u + w * along_u;
+        float to_v = at_v + w * along_v;
         outside += to_u >= -0.5f && to_u < last_x && to_v >= -0.5f && to_v < last_y ? 0 : 1;
-        u[x] = bounded(to_u, row.width);
-        v[x] = bounded(to_v, row.height);
+        to_u = bounded(to_u, row.width);
+        to_v = bounded(to_v, row.height);
+        if (kDepths) {
+            // Across an edge nothing is blended, else it would leave a line where it was.
+            const int i = floor_of(to_u);
+            const int j = floor_of(to_v);
+            const float upper = depth_of(row, i, j);
+            const float lower = depth_of(row, i + 1, j + 1);
+            const bool edge =
+                magnitude(upper - lower) * (magnitude(along_u) + magnitude(along_v)) > 0.5f;
+            to_u = edge ? static_cast<float>(floor_of(to_u + 0.5f)) : to_u;
+            to_v = edge ? static_cast<float>(floor_of(to_v + 0.5f)) : to_v;
+        }
+        u[x] = to_u;
+        v[x] = to_v;
     }
     return outside;
 }

@@ -34,6 +34,11 @@ __m256 magnitude8(__m256 x) {
     return _mm256_andnot_ps(all(-0.0f), x);
 }
 
+__m256 depth8(const Row& row, __m256i i, __m256i j) {
+    return _mm256_i32gather_ps(
+        row.inverse_z, index8(within8(i, row.width), within8(j, row.height), row.depth_pitch), 4);
+}
+
 template <bool kDepths>
 int places_avx2(const Row& row, int count, float* u, float* v) {
     const __m256 half = all(0.5f);
@@ -57,9 +62,8 @@ int places_avx2(const Row& row, int count, float* u, float* v) {
             const auto depth_at = [&](__m256 inverse) {
                 const __m256 pu = bounded8(along8(at_u, inverse, along_u), row.width);
                 const __m256 pv = bounded8(along8(at_v, inverse, along_v), row.height);
-                const __m256i i = within8(floor8(_mm256_add_ps(pu, half)), row.width);
-                const __m256i j = within8(floor8(_mm256_add_ps(pv, half)), row.height);
-                return _mm256_i32gather_ps(row.inverse_z, index8(i, j, row.depth_pitch), 4);
+                return depth8(row, floor8(_mm256_add_ps(pu, half)),
+                              floor8(_mm256_add_ps(pv, half)));
             };
             const __m256 first = depth_at(w);
             const __m256 second = depth_at(first);
@@ -71,8 +75,8 @@ int places_avx2(const Row& row, int count, float* u, float* v) {
                 third, _mm256_blendv_ps(second, first, _mm256_cmp_ps(second, third, _CMP_LT_OQ)),
                 _mm256_cmp_ps(off, half, _CMP_GT_OQ));
         }
-        const __m256 to_u = along8(at_u, w, along_u);
-        const __m256 to_v = along8(at_v, w, along_v);
+        __m256 to_u = along8(at_u, w, along_u);
+        __m256 to_v = along8(at_v, w, along_v);
         const auto inside = [&](__m256 p, int size) {
             return _mm256_and_ps(
                 _mm256_cmp_ps(p, all(-0.5f), _CMP_GE_OQ),
@@ -81,8 +85,23 @@ int places_avx2(const Row& row, int count, float* u, float* v) {
         const int in =
             _mm256_movemask_ps(_mm256_and_ps(inside(to_u, row.width), inside(to_v, row.height)));
         outside += 8 - __builtin_popcount(static_cast<unsigned>(in));
-        _mm256_storeu_ps(u + x, bounded8(to_u, row.width));
-        _mm256_storeu_ps(v + x, bounded8(to_v, row.height));
+        to_u = bounded8(to_u, row.width);
+        to_v = bounded8(to_v, row.height);
+        if (kDepths) {
+            const __m256i one = _mm256_set1_epi32(1);
+            const __m256i i = floor8(to_u);
+            const __m256i j = floor8(to_v);
+            const __m256 apart =
+                magnitude8(_mm256_sub_ps(depth8(row, i, j), depth8(row, _mm256_add_epi32(i, one),
+                                                                   _mm256_add_epi32(j, one))));
+            const __m256 edge = _mm256_cmp_ps(
+                _mm256_mul_ps(apart, _mm256_add_ps(magnitude8(along_u), magnitude8(along_v))), half,
+                _CMP_GT_OQ);
+            to_u = _mm256_blendv_ps(to_u, _mm256_floor_ps(_mm256_add_ps(to_u, half)), edge);
+            to_v = _mm256_blendv_ps(to_v, _mm256_floor_ps(_mm256_add_ps(to_v, half)), edge);
+        }
+        _mm256_storeu_ps(u + x, to_u);
+        _mm256_storeu_ps(v + x, to_v);
     }
     return outside + places_of<kDepths>(row, x, count, u, v);
 }
