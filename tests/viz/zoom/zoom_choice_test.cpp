@@ -51,6 +51,8 @@ TEST(ZoomChoice, UnreachableTargetsGetTheLargestZoomAndAFlag) {
     ReactiveZoom zoom({.target_ms = 33, .most = 4});
     EXPECT_TRUE(zoom.frame_took(33 * 17, 33 * 17).unreachable);
     EXPECT_FALSE(zoom.frame_took(20, 10).unreachable);
+    // Nothing is left for pixels, and there are none.
+    EXPECT_TRUE(zoom.frame_took(33, 0).unreachable);
 }
 
 TEST(ZoomChoice, TimesOfNothingAndNoNumbers) {
@@ -188,6 +190,18 @@ TEST(ZoomChoice, CollinearWorkBlowsNothingUp) {
     const ZoomWork other{.vertices = 30000, .triangles = 9000, .draws = 10, .pixels = {3e4, 8e4}};
     for (int i = 0; i < 30; ++i) zoom.learn(other, 1, machine.ms(other, 1) + noise(random));
     EXPECT_NEAR(zoom.predict_ms(other, 1), machine.ms(other, 1), 1.0);
+}
+
+TEST(ZoomChoice, CostsAreNeverNegative) {
+    const Machine free_vertices{.vertex = 0, .draw = 0};
+    std::mt19937 random(7);
+    std::normal_distribution<double> noise(0, 2);
+    PredictiveZoom zoom({}, {.pixel = {1e-4, 1e-4}});
+    for (int i = 0; i < 300; ++i) {
+        const ZoomWork work = some_work(random);
+        zoom.learn(work, 1 + i % 4, free_vertices.ms(work, 1 + i % 4) + noise(random));
+        for (const double cost : zoom.model().costs_ms()) ASSERT_GE(cost, 0);
+    }
 }
 
 // A heavy object, four times the load, comes into view at frame 100.
