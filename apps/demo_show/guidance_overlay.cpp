@@ -8,11 +8,12 @@
 namespace kino {
 namespace {
 
-constexpr float kOutline = 0.085f;  ///< half its size, as a part of the picture's height
+constexpr float kOutline = 0.10f;  ///< half its size, as a part of the picture's height
 constexpr float kLine = 0.0085f;
 constexpr double kFadeS = 0.3;
 constexpr double kPraiseS = 0.7;
 constexpr double kFollowS = 0.5;
+constexpr float kFar = 0.42f;  ///< the other hand, as a part of the picture's height
 constexpr glm::vec4 kWhite{1, 1, 1, 1};
 
 bool praises(const DemoGuidance& guidance) {
@@ -47,8 +48,8 @@ glm::vec2 place_of(const UiCanvas& canvas, const std::optional<glm::vec2>& ancho
 }
 
 void draw_hint(const UiCanvas& canvas, const DemoGuidance& guidance, glm::vec2 middle,
-               glm::vec3 color) {
-    const auto shown = static_cast<float>(std::clamp(guidance.shown_s / kFadeS, 0.0, 1.0));
+               double shown_s, glm::vec3 color) {
+    const auto shown = static_cast<float>(std::clamp(shown_s / kFadeS, 0.0, 1.0));
     const float half = canvas.high(kOutline), width = canvas.high(kLine);
     canvas.disc(middle, 1.42f * half, {0.02f, 0.02f, 0.05f, 0.55f * shown});
     canvas.ring(middle, 1.42f * half, {glm::vec3(1), 0.25f * shown}, 0.5f * width);
@@ -105,11 +106,13 @@ void draw_guidance(const UiCanvas& canvas, const View& view, const DemoGuidance&
         spot = {};
     } else {
         const glm::vec2 wanted = place_of(canvas, anchor);
-        const bool stays = spot.at && spot.hint == guidance.hint;
+        const bool stays = spot.at && spot.hint == guidance.hint &&
+                           glm::distance(*spot.at, wanted) < canvas.high(kFar);
         const auto part = static_cast<float>(stays ? -std::expm1(-dt_s / kFollowS) : 1);
+        spot.shown_s = stays || !spot.at ? spot.shown_s + dt_s : 0;
         spot.at = spot.at.value_or(wanted) + part * (wanted - spot.at.value_or(wanted));
         spot.hint = guidance.hint;
-        draw_hint(canvas, guidance, *spot.at, color);
+        draw_hint(canvas, guidance, *spot.at, std::min(guidance.shown_s, spot.shown_s), color);
     }
     if (praises(guidance)) {
         draw_praise(canvas, guidance,

@@ -12,10 +12,12 @@ namespace kino {
 /// three metres away on a common screen.
 constexpr float kGuidanceWords = 0.058f;
 
-/// Where somebody's guidance is, so that it comes after them calmly while they move their hands.
+/// Where somebody's guidance is, so that it comes after them calmly while they move their hands. To
+/// the other hand it does not go across the person, but fades in there.
 struct GuidanceSpot {
     std::optional<glm::vec2> at;  ///< px; empty: nothing is shown
     DemoHint hint = DemoHint::none;
+    double shown_s = 0;  ///< in this place, or on the way from it
 };
 
 /// Draws what a person is told beside the joint that it is about, or at the lower edge where there

@@ -34,8 +34,8 @@ void draw_trouble(const UiCanvas& canvas, const ShowScreen::Trouble& trouble) {
         sign + half * glm::vec2(-1.1f, 0.85f), sign + half * glm::vec2(0, -1)};
     canvas.line(triangle, {1.0f, 0.72f, 0.30f, 1}, canvas.high(0.014f));
     canvas.words("!", sign + half * glm::vec2(0, 0.28f), 1.1f * half, {1.0f, 0.72f, 0.30f, 1});
-    canvas.words(trouble.what, {0.5f * size.x, 0.50f * size.y}, canvas.high(0.095f), kWhite);
-    canvas.words(trouble.remedy, {0.5f * size.x, 0.65f * size.y}, canvas.high(0.06f), kSoft);
+    canvas.words(trouble.what, {0.5f * size.x, 0.50f * size.y}, canvas.high(0.12f), kWhite);
+    canvas.words(trouble.remedy, {0.5f * size.x, 0.66f * size.y}, canvas.high(0.066f), kSoft);
 }
 
 void draw_keys(const UiCanvas& canvas) {

@@ -164,18 +164,23 @@ TEST_F(GuidanceScreen, FlashIsThereInTheSamePicture) {
 
 TEST_F(GuidanceScreen, ComesAfterAHandCalmly) {
     const View view = view_of(1280, 720);
-    DemoGuidance guidance{.hint = DemoHint::push, .shown_s = 1, .anchor_m = glm::dvec3(0, 1, 0)};
+    DemoGuidance guidance{.hint = DemoHint::push, .shown_s = 1, .anchor_m = glm::dvec3(0.1, 1, 0)};
     ShowScreen screen;
     screen.guidance = {&guidance, nullptr};
     draw(screen, view);
     const glm::vec2 before = *spots[0].at;
-    guidance.anchor_m = glm::dvec3(0.6, 1, 0);
+    guidance.anchor_m = glm::dvec3(0.3, 1, 0);
     draw(screen, view);
     const float step = glm::length(*spots[0].at - before);
     EXPECT_GT(step, 1);
-    EXPECT_LT(step, 40);
+    EXPECT_LT(step, 20);
     for (int i = 0; i < 120; ++i) draw(screen, view);
-    EXPECT_GT(glm::length(*spots[0].at - before), 80);
+    EXPECT_GT(glm::length(*spots[0].at - before), 40);
+    // To the other hand it does not go across the person.
+    guidance.anchor_m = glm::dvec3(-0.4, 1, 0);
+    draw(screen, view);
+    EXPECT_LT(spots[0].at->x, 640);
+    EXPECT_EQ(spots[0].shown_s, 0);
     // Another hint begins where it belongs.
     guidance = {.hint = DemoHint::swipe, .anchor_m = glm::dvec3(-0.6, 1, 0)};
     draw(screen, view);
