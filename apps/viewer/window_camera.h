@@ -5,6 +5,7 @@
 #include "base/body.h"
 #include "skeleton/head/window_eye.h"
 #include "viz/frame/renderer.h"
+#include "viz/quality/zoom/zoom_choice.h"
 #include "viz/scene/scene_file.h"
 #include "viz/scene/view.h"
 
@@ -24,6 +25,9 @@ class WindowCamera {
     [[nodiscard]] std::optional<DeflectOptions> deflection(const Pose& world_from_stage, TimeNs now,
                                                            int width, int height,
                                                            TimeNs (*clock)()) const;
+    /// How coarse the picture that begins at `now` may be: by how fast the head moves, within what
+    /// the scene allows. Call once a picture.
+    [[nodiscard]] int zoom(TimeNs now);
     /// Another source: whoever was followed is gone.
     void reset() { eye_.reset(); }
     [[nodiscard]] const WindowEye& eye() const { return eye_; }
@@ -31,6 +35,8 @@ class WindowCamera {
   private:
     SceneWindow window_;
     WindowEye eye_;
+    HeadSpeedZoom zoom_;
+    TimeNs last_picture_ = 0;
 };
 
 }  // namespace kino

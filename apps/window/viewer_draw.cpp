@@ -108,6 +108,8 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
 
     FrameOptions options = picture_options(input, lists);
     if (looks_through_window()) {
+        // A budget that chooses has the last word (render()).
+        options.zoom.z = window_camera_->zoom(now_ns());
         options.deflect = window_camera_->deflection(*builder_.director()->world_from_stage(),
                                                      now_ns(), view_.width, view_.height, now_ns);
     }

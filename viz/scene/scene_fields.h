@@ -213,6 +213,7 @@ void visit(V& v, SceneWindow& s) {
     v.number("sensor_tilt_deg", s.sensor_tilt_deg, -60, 60, "of the sensor, upwards");
     v.vector("eye_m", s.eye_m, -10, 10, "where the view is from while nobody is seen");
     v.choice("deflect", s.deflect, kDeflects, "how pictures follow the newest head");
+    v.integer("most_zoom", s.most_zoom, 1, 8, "coarser pictures while the head is quick; 1: never");
 }
 
 template <class V>

@@ -194,6 +194,7 @@ struct SceneWindow {
     double sensor_tilt_deg = 0;      ///< upwards
     glm::dvec3 eye_m{0, 0, 0.6};     ///< window space; where nobody is seen
     SceneDeflect deflect = SceneDeflect::pan;
+    int most_zoom = 1;  ///< while the head moves quickly, pictures are up to so much coarser
     friend bool operator==(const SceneWindow&, const SceneWindow&) = default;
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <vector>
@@ -69,6 +70,26 @@ TEST(WindowCamera, PicturesAreDeflectedOnlyWhereTheHeadMoves) {
     still.see(1, nullptr);
     camera.reset();
     EXPECT_FALSE(camera.deflection({}, fake_now(), 320, 180, fake_now));
+}
+
+TEST(WindowCamera, QuickHeadsMayMakePicturesCoarserWhereTheSceneSaysSo) {
+    WindowCamera plain{SceneWindow{}};
+    WindowCamera coarse({.most_zoom = 3});
+    const TimeNs step = kNsPerSecond / 30;
+    int most = 1;
+    for (int i = 0; i < 60; ++i) {
+        // At rest, then 1.2 m/s to the side.
+        const BodyFrame frame = somebody({0.04f * static_cast<float>(std::max(0, i - 30)), 0, 2});
+        plain.see(i * step, &frame);
+        coarse.see(i * step, &frame);
+        EXPECT_EQ(plain.zoom(i * step), 1);
+        const int z = coarse.zoom(i * step);
+        if (i < 30) {
+            EXPECT_EQ(z, 1);
+        }
+        most = std::max(most, z);
+    }
+    EXPECT_EQ(most, 3);
 }
 
 }  // namespace

@@ -44,7 +44,8 @@ SceneFile everything() {
                                      .sensor_m = {0, -0.25, 0.01},
                                      .sensor_tilt_deg = 7.5,
                                      .eye_m = {0.1, 0.1, 0.7},
-                                     .deflect = SceneDeflect::depth_warp};
+                                     .deflect = SceneDeflect::depth_warp,
+                                     .most_zoom = 3};
     file.materials = {{.name = "a", .color = {1, 2, 3}, .glow = 1.5, .opacity = 0.25},
                       {.name = "b"}};
     for (const LobeKind kind :
