@@ -37,24 +37,25 @@ Stage add_multisampled_stage(graph::FrameGraph& graph, const Scene& scene, const
                                bvh, options.shadows)
             .masks;
     };
+    const auto shade = [&](const SurfaceTargets& surface, graph::BufferId masks) {
+        return add_shade_pass(graph, scene, view,
+                              {.surface = surface, .lists = stage.lists, .shadow_masks = masks});
+    };
     // Captured pictures stay what they are beside meshes that are lit; only the shader of materials
     // knows that.
     if (scene.color_mode == ColorMode::captured) ground.object = add_no_objects(graph, view);
-    const graph::BufferId ground_masks =
-        shadows && scene.live ? masks_of(ground) : graph::BufferId{};
-    const graph::TextureId shaded =
-        add_shade_pass(graph, scene, view,
-                       {.surface = ground, .lists = stage.lists, .shadow_masks = ground_masks});
-
-    // Read by the masks of what is drawn over the ground, and by whoever asks for the surface.
+    const graph::TextureId ground_light =
+        shade(ground, shadows && scene.live ? masks_of(ground) : graph::BufferId{});
     const DrawnSurface drawn = add_meshes(graph, view, parts, meshes, ground);
     stage.surface = drawn.surface;
     stage.depth = drawn.depth;
     MeshLight light = make_mesh_light(graph, scene, view, stage.lists);
     if (shadows) light.shadow_masks = masks_of(drawn.surface);
-    if (light.shadow_masks.valid()) light.shadow_z = drawn.surface.view_z;
+    light.sample_z = sample_z;
+    light.pixel_z = drawn.surface.view_z;
+    light.pixel_light = shade(drawn.surface, light.shadow_masks);
     const ForwardTargets lit = add_forward_pass(graph, scene, view, parts.meshes, light, kAllKinds,
-                                                {add_spread(graph, shaded), depth});
+                                                {add_spread(graph, ground_light), depth});
     stage.linear = lit.linear;
     if (wants_blended(scene)) {
         LightListOptions lists = sample_lists(options.lists);

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/check.h"
 #include "viz/light/light_passes.h"
 
 namespace kino {
@@ -12,14 +13,11 @@ namespace {
 constexpr std::uint32_t kForward[] = {
 #include "forward_frag.inc"
 };
-constexpr std::uint32_t kForwardShadowed[] = {
-#include "forward_shadowed_frag.inc"
-};
 constexpr std::uint32_t kToon[] = {
 #include "toon_frag.inc"
 };
-constexpr std::uint32_t kToonShadowed[] = {
-#include "toon_shadowed_frag.inc"
+constexpr std::uint32_t kToonSamples[] = {
+#include "toon_samples_frag.inc"
 };
 constexpr std::uint32_t kUnlit[] = {
 #include "unlit_frag.inc"
@@ -30,17 +28,16 @@ MeshShader shader_of(MaterialKind kind, MeshLight& light) {
         case MaterialKind::toon:
             return mesh_light_shader(
                 light, "light/forward toon",
-                light.shadow_z.valid() ? std::span<const std::uint32_t>(kToonShadowed) : kToon);
+                light.sample_z.valid() ? std::span<const std::uint32_t>(kToonSamples) : kToon);
         case MaterialKind::unlit:
             light.shadow_masks = {};
-            light.shadow_z = {};
+            light.sample_z = {};
             return mesh_light_shader(light, "light/forward unlit", kUnlit);
         case MaterialKind::layered:
             break;
     }
-    return mesh_light_shader(
-        light, "light/forward",
-        light.shadow_z.valid() ? std::span<const std::uint32_t>(kForwardShadowed) : kForward);
+    KINO_CHECK(light.sample_z.valid());  // with one sample the surface's own pass does it
+    return mesh_light_shader(light, "light/forward", kForward);
 }
 
 }  // namespace

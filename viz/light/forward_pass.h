@@ -19,7 +19,7 @@ constexpr std::uint32_t kForwardKinds =
 /// Draws the opaque meshes of the materials in `kinds` once more, each kind by its own shader under
 /// the lights of `light`, into `linear` (kSceneLinearFormat, any number of samples), where `depth`
 /// (as many samples) holds just their depths (GPU Pro 4, Tiled Forward Shading, 4.4). Adds nothing
-/// where no mesh has such a material. Returns the new ids.
+/// where no mesh has such a material. Layered ones want `light.sample_z`. Returns the new ids.
 struct ForwardTargets {
     graph::TextureId linear, depth;
 };

@@ -33,7 +33,9 @@ void declare_mesh_light(graph::PassBuilder& builder, const MeshLight& light) {
           light.materials.materials, light.materials.lobes}) {
         if (id.valid()) builder.read(id, graph::Use::fragment_read);
     }
-    if (light.shadow_z.valid()) builder.read(light.shadow_z, graph::Use::fragment_read);
+    for (const graph::TextureId id : {light.sample_z, light.pixel_z, light.pixel_light}) {
+        if (id.valid()) builder.read(id, graph::Use::fragment_read);
+    }
 }
 
 MeshShader mesh_light_shader(const MeshLight& light, const std::string& name,
@@ -44,7 +46,9 @@ MeshShader mesh_light_shader(const MeshLight& light, const std::string& name,
     shader.fragment = fragment;
     shader.bindings = {Binding::word_quads, Binding::word_pairs, Binding::words,
                        Binding::words,      Binding::word_quads, Binding::word_quads};
-    if (light.shadow_z.valid()) shader.bindings.push_back(Binding::texture);
+    if (light.sample_z.valid()) {
+        shader.bindings.insert(shader.bindings.end(), 3, Binding::texture);
+    }
     shader.constants = {
         light.lists.tile_px != 0 ? 1u : 0u,   light.lists.global_count > 0 ? 1u : 0u,
         light.lists.has_spots ? 1u : 0u,      light.lists.has_masks ? 1u : 0u,
@@ -65,7 +69,11 @@ bool record_mesh_light(graph::PassContext& context, const MeshList& list, const 
         light.shadow_masks.valid() ? context.bound(light.shadow_masks) : lights,
         context.bound(light.materials.materials),
         context.bound(light.materials.lobes)};
-    if (light.shadow_z.valid()) own.push_back(context.bound(light.shadow_z));
+    if (light.sample_z.valid()) {
+        for (const graph::TextureId id : {light.sample_z, light.pixel_z, light.pixel_light}) {
+            own.push_back(context.bound(id));
+        }
+    }
     return MeshDrawer::record(
         context, list, shader, own,
         std::as_bytes(std::span<const shared::ListShadeParams>(&light.params, 1)));

@@ -21,7 +21,9 @@ struct MeshLight {
     LightLists lists;
     MaterialBuffers materials;
     graph::BufferId shadow_masks;  ///< as ShadeInputs has them; invalid: no light has a shadow
-    graph::TextureId shadow_z;     ///< valid with masks: the view depth they were made of
+    /// With several samples a pixel: their view depths (add_sample_depths), and view depth and
+    /// light at pixel centres.
+    graph::TextureId sample_z, pixel_z, pixel_light;
     shared::ListShadeParams params{};
     std::uint32_t color_mode = 0;
 };

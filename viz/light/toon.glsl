@@ -5,6 +5,9 @@
 void main() {
     Surface s = mesh_seen();
     TileList list = list_at(gl_FragCoord.xy);
+#ifdef KINO_SAMPLES
+    if (cover_of(s).hidden) list.count = 0u;
+#endif
     uint pixel = mask_pixel(s.place.z);
     vec3 arriving = p.ambient;
     vec3 l;

@@ -1,4 +1,4 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define KINO_SHADOW_Z
+#define KINO_SAMPLES
 #include "viz/light/toon.glsl"
