@@ -41,7 +41,7 @@ std::size_t Aura::lights(std::span<const CastMember> cast) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < places_.size() && i < cast.size(); ++i) {
         for (std::size_t j = 0; j < kJointCount; ++j) {
-            count += cast[i].joints[j].known && smooth(places_[i].presence[j]) >= kLeastLight;
+            count += smooth(places_[i].presence[j]) >= kLeastLight;
         }
     }
     return count;
@@ -56,7 +56,7 @@ void Aura::fill(Scene& scene, std::span<const CastMember> cast, std::span<const 
                                 (1 + kSwelling * smooth(place.swell));
         for (std::size_t j = 0; j < kJointCount; ++j) {
             const double weight = smooth(place.presence[j]);
-            if (!cast[i].joints[j].known || weight < kLeastLight) continue;
+            if (weight < kLeastLight) continue;
             const glm::vec3 white(1.0f, 0.86f, 0.72f);
             const glm::vec3 color =
                 glm::mix(white, colors[painter].at(j), static_cast<float>(place.playing));

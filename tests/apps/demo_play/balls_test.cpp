@@ -259,6 +259,13 @@ TEST(Balls, BounceOffEachOther) {
     EXPECT_GE(nearest, 1.5 * balls.rules().radius_m);
     EXPECT_LT(balls.energy(), before);
     EXPECT_GT(balls.all()[0].flash, 0);
+    // Those that part already are let go, though they are still in each other.
+    Balls parting({.gravity_m_s2 = 0});
+    parting.throw_ball({0, 1, 0}, {-0.5, 0, 0}, 0, 0);
+    parting.throw_ball({0.05, 1, 0}, {0.5, 0, 0}, 0, 0);
+    parting.step(0.1);
+    EXPECT_EQ(parting.all()[0].speed_m_s.x, -0.5);
+    EXPECT_EQ(parting.all()[1].speed_m_s.x, 0.5);
 }
 
 TEST(Balls, HardThrows) {

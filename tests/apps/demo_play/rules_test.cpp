@@ -380,6 +380,9 @@ TEST(Rules, ASecondPersonPaintsInOtherColoursButDoesNotLead) {
     two(1.5, {gesture(K::swipe_left, 2)});
     EXPECT_NE(game.play().scene_name(), name);
     EXPECT_NE(game.play().second_guidance(), nullptr);
+    // What they learned as the second they know as the first.
+    EXPECT_THAT(game.play().guidance().hint,
+                testing::AnyOf(DemoHint::two_hands, DemoHint::raise_both));
     EXPECT_THAT(game.said(), ElementsAre("visitor", "engaged", "joined", "throw", "palette", "full",
                                          "released", "engaged", "scene"));
 }
