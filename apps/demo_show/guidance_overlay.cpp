@@ -22,9 +22,9 @@ bool praises(const DemoGuidance& guidance) {
 }
 
 std::optional<glm::vec2> anchor_px(const UiCanvas& canvas, const View& view,
-                                   const DemoGuidance& guidance) {
-    if (!guidance.anchor_m) return std::nullopt;
-    const auto pixel = project_to_pixel(view, *guidance.anchor_m);
+                                   const std::optional<glm::dvec3>& world_m) {
+    if (!world_m) return std::nullopt;
+    const auto pixel = project_to_pixel(view, *world_m);
     if (!pixel || !std::isfinite(pixel->x) || !std::isfinite(pixel->y)) return std::nullopt;
     const glm::vec2 at(*pixel);
     const glm::vec2 size = canvas.size();
@@ -100,8 +100,9 @@ bool says_anything(const DemoGuidance& guidance) {
 }
 
 void draw_guidance(const UiCanvas& canvas, const View& view, const DemoGuidance& guidance,
-                   glm::vec3 color, double dt_s, GuidanceSpot& spot) {
-    const std::optional<glm::vec2> anchor = anchor_px(canvas, view, guidance);
+                   const std::optional<glm::dvec3>& praised_m, glm::vec3 color, double dt_s,
+                   GuidanceSpot& spot) {
+    const std::optional<glm::vec2> anchor = anchor_px(canvas, view, guidance.anchor_m);
     if (guidance.hint == DemoHint::none) {
         spot = {};
     } else {
@@ -115,9 +116,12 @@ void draw_guidance(const UiCanvas& canvas, const View& view, const DemoGuidance&
         draw_hint(canvas, guidance, *spot.at, std::min(guidance.shown_s, spot.shown_s), color);
     }
     if (praises(guidance)) {
-        draw_praise(canvas, guidance,
-                    anchor.value_or(glm::vec2(0.5f * canvas.size().x, 0.45f * canvas.size().y)),
-                    color);
+        const auto hand = anchor_px(canvas, view, praised_m);
+        draw_praise(
+            canvas, guidance,
+            hand ? *hand
+                 : anchor.value_or(glm::vec2(0.5f * canvas.size().x, 0.45f * canvas.size().y)),
+            color);
     }
 }
 

@@ -22,10 +22,12 @@ struct GuidanceSpot {
 
 /// Draws what a person is told beside the joint that it is about, or at the lower edge where there
 /// is none: the outline of the gesture, how far they got, a few words; and a flash for the gesture
-/// that was just recognised. `color`: of the lines, sRGB. `spot`: kept from picture to picture,
+/// that was just recognised. `praised_m`: world, of the hand that
+/// made it; empty: at the joint. `color`: of the lines, sRGB. `spot`: kept from picture to picture,
 /// which are `dt_s` apart.
 void draw_guidance(const UiCanvas& canvas, const View& view, const DemoGuidance& guidance,
-                   glm::vec3 color, double dt_s, GuidanceSpot& spot);
+                   const std::optional<glm::dvec3>& praised_m, glm::vec3 color, double dt_s,
+                   GuidanceSpot& spot);
 
 /// Whether there is anything of it to draw.
 [[nodiscard]] bool says_anything(const DemoGuidance& guidance);

@@ -113,7 +113,8 @@ Result<FrameResult> SteppedShow::draw(const ProcessedFrame& frame, double dt_s) 
         frame_options.lod = FramebufferLodOptions{.r = *options_.lod};
     }
     ShowScreen screen;
-    screen.guidance = {&play_->guidance(), play_->second_guidance()};
+    feed_.hear(frame.gestures);
+    feed_.guide(*play_, options_.mirror, screen);
     screen.scene_name = scene_name_;
     screen.scene_name_shown_s = scene_name_shown_s_;
     painter_->prepare(screen, view, dt_s, frame_options);

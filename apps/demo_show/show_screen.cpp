@@ -96,7 +96,8 @@ void draw_screen(const UiCanvas& canvas, const View& view, const ShowScreen& scr
                 spots[i] = {};
                 continue;
             }
-            draw_guidance(canvas, view, *screen.guidance[i], kGuidanceColors[i], dt_s, spots[i]);
+            draw_guidance(canvas, view, *screen.guidance[i], screen.praised_m[i],
+                          kGuidanceColors[i], dt_s, spots[i]);
         }
     }
     if (!screen.banner.empty()) draw_banner(canvas, screen.banner);

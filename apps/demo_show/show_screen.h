@@ -23,7 +23,9 @@ struct ShowScreen {
     };
     std::optional<Trouble> trouble;
     std::array<const DemoGuidance*, 2> guidance{};  ///< of one person each; null: none
-    std::string scene_name;                         ///< shown for a moment after a change
+    /// World, where they made the gesture that is praised; empty: at the joint that guidance is at.
+    std::array<std::optional<glm::dvec3>, 2> praised_m{};
+    std::string scene_name;  ///< shown for a moment after a change
     double scene_name_shown_s = 1e9;
     bool keys = false;
     std::string note;                ///< at the lower left

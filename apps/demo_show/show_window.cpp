@@ -204,6 +204,7 @@ Result<void> ShowWindow::draw(TimeNs now) {
         paused_ || last_step_ == 0 ? 0 : std::min(0.1, to_seconds(now - last_step_));
     last_step_ = now;
     play_->step(feed_.moment(dt_s, heard_, mode_ == ShowMode::lost));
+    feed_.hear(heard_);
     heard_.clear();
     hear_play();
     scene_name_shown_s_ += dt_s;

@@ -25,7 +25,7 @@ std::vector<std::string> ShowWindow::stats() const {
 
 ShowScreen ShowWindow::screen(TimeNs now) {
     ShowScreen screen;
-    screen.guidance = {&play_->guidance(), play_->second_guidance()};
+    feed_.guide(*play_, options_.mirror, screen);
     screen.scene_name = scene_name_;
     screen.scene_name_shown_s = scene_name_shown_s_;
     screen.keys = keys_;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "apps/demo_show/gesture_outline.h"
+#include "apps/demo_show/gesture_places.h"
 #include "apps/demo_show/show_keys.h"
 #include "apps/demo_show/show_screen.h"
 #include "apps/demo_show/ui_canvas.h"
@@ -202,6 +203,32 @@ TEST_F(GuidanceScreen, EveryScreenOfWordsFitsIntoSmallPictures) {
         EXPECT_LE(trouble.most.x, static_cast<float>(width) + 2) << width;
         EXPECT_LE(trouble.most.y, static_cast<float>(height) + 2) << width;
     }
+}
+
+TEST(GuidancePlaces, AreWhereTheHandIs) {
+    BodyFrame bodies;
+    Body body;
+    body.id = 7;
+    body[Joint::hand_left] = {{0.5f, 0.1f, 2}, JointState::tracked, 1};
+    body[Joint::hand_right] = {{-0.3f, 0.2f, 2}, JointState::inferred, 1};
+    bodies.bodies = {body};
+    const Pose world = world_from_camera_axes();
+    GesturePlaces places;
+    EXPECT_FALSE(places.of(GestureKind::push, &bodies, world, false));
+    places.hear({.kind = GestureKind::push, .hand = Hand::right, .body_id = 7});
+    places.hear({.kind = GestureKind::zoom, .hand = Hand::both, .body_id = 7});
+    places.hear({.kind = GestureKind::raise, .hand = Hand::left, .body_id = 8});
+    EXPECT_NEAR(places.of(GestureKind::push, &bodies, world, false)->x, -0.3, 1e-6);
+    // In a mirror the right hand stays at the right: the depth camera's x, turned over.
+    EXPECT_NEAR(places.of(GestureKind::push, &bodies, world, true)->x, 0.3, 1e-6);
+    EXPECT_NEAR(places.of(GestureKind::push, &bodies, world, true)->y, -0.2, 1e-6);
+    EXPECT_NEAR(places.of(GestureKind::zoom, &bodies, world, false)->x, 0.1, 1e-6);
+    EXPECT_FALSE(places.of(GestureKind::raise, &bodies, world, false));
+    EXPECT_FALSE(places.of(GestureKind::push, nullptr, world, false));
+    bodies.bodies[0][Joint::hand_right].state = JointState::lost;
+    EXPECT_FALSE(places.of(GestureKind::push, &bodies, world, false));
+    places.reset();
+    EXPECT_FALSE(places.of(GestureKind::zoom, &bodies, world, false));
 }
 
 TEST(GuidanceKeys, EveryKeyIsOneAction) {
