@@ -144,7 +144,8 @@ ShadowCast cast_shadows(gpu::Device& device, graph::Executor& executor, const Sh
     std::optional<Readback<std::uint32_t>> indices;
     if (has_lists) {
         headers.emplace(device, graph, found.lists.headers, tiles);
-        indices.emplace(device, graph, found.lists.indices, tiles * 256);
+        const std::uint32_t most = std::min(LightListOptions{}.capacity, found.lists.local_count);
+        indices.emplace(device, graph, found.lists.indices, tiles * most);
     }
     const auto report = executor.run(graph, graph::Timing::every_group);
     if (!report) throw std::runtime_error(report.error().to_string());
