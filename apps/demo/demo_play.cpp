@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/demo/demo_state.h"
 #include "apps/demo/easing.h"
@@ -17,6 +18,7 @@ constexpr double kLongestS = 0.1;
 /// Somebody who is not seen for so long is gone.
 constexpr double kGoneS = 0.8;
 constexpr double kFlashS = 0.5;
+constexpr double kUnknownM = 100;
 constexpr std::size_t kMostEvents = 4096;  // that nobody took
 
 }  // namespace
@@ -138,21 +140,29 @@ void DemoPlay::State::guide(double dt_s, const DemoMoment& moment) {
     for (std::size_t i = 0; i < coaches.size(); ++i) {
         const demo::Player& player = players.all()[i];
         if (player.id == 0) continue;
+        // With nobody in the lead, a wave is what comes next.
+        const bool led = players.primary() != nullptr || phase != DemoPhase::playing;
         coaches[i].step({.time_s = time_s,
                          .dt_s = dt_s,
-                         .phase = phase,
+                         .phase = led ? phase : DemoPhase::invite,
                          .body = body_of(player.id),
                          .member = member(player.id),
                          .mirror = options.mirror,
                          .primary = player.primary,
                          .painted_m = painter.painted_m(static_cast<int>(i))});
     }
-    // Whoever came first is shown how to begin, until they leave.
+    // The nearest one is shown how to begin, until they leave.
     const CastMember* first = member(ushered);
     if (ushered != 0 && (first == nullptr || !first->present)) ushered = 0;
     if (ushered == 0) {
+        double nearest = std::numeric_limits<double>::max();
         for (const CastMember& one : cast.members()) {
-            if (one.present && ushered == 0) ushered = one.id;
+            if (!one.present) continue;
+            const CastJoint& spine = one[Joint::spine];
+            const double far = spine.known
+                                   ? glm::distance(spine.world_m, world_from_depth.translation)
+                                   : kUnknownM;
+            if (far < nearest) nearest = far, ushered = one.id;
         }
         if (ushered != 0) usher.reset();
     }

@@ -41,6 +41,27 @@ TEST(Guidance, SaysWhereToStandThenToWave) {
     EXPECT_EQ(hint(), DemoHint::none);
 }
 
+TEST(Guidance, WhoLostTheLeadMayWaveForItAgain) {
+    Game game;
+    game.engage();
+    EXPECT_EQ(game.play().guidance().hint, DemoHint::paint);
+    game.make(K::released);
+    EXPECT_EQ(game.play().phase(), DemoPhase::playing);
+    EXPECT_EQ(game.play().guidance().hint, DemoHint::wave_to_start);
+    game.make(K::engaged);
+    EXPECT_NE(game.play().guidance().hint, DemoHint::wave_to_start);
+}
+
+TEST(Guidance, TheNearestVisitorIsAddressed) {
+    Game game;
+    game.step({somebody(1, 0, 1, 3.4), somebody(2, 0, -0.8, 2), somebody(3, 0, 0.2, 3)});
+    EXPECT_NEAR(game.play().guidance().distance_m, std::hypot(0.8, 2), 0.01);
+    game.step({somebody(1, 0, 1, 1.5), somebody(2, 0, -0.8, 2)});  // until they leave
+    EXPECT_NEAR(game.play().guidance().distance_m, std::hypot(0.8, 2), 0.01);
+    game.step({somebody(1, 0, 1, 1.5)});
+    EXPECT_NEAR(game.play().guidance().distance_m, std::hypot(1, 1.5), 0.01);
+}
+
 TEST(Guidance, TheAnchorIsTheJointOnTheStage) {
     Game game;
     game.go_on(0.2);
