@@ -89,10 +89,12 @@ struct LodFixList {
 
 /// Brings `coarse_linear` (RGBA16F, shaded from `coarse`) to the size of the fine surface: RGBA16F,
 /// alpha that of the fine albedo. With sigma_z finite, pixels whose albedo has alpha 0 (nothing
-/// there) keep their own colour, made linear. Every output is finite for every input. With the
-/// fine size: no pass, `coarse_linear` itself. With `fix` and fix_share above 0, *fix becomes the
-/// list of pixels whose confidence, the sum of Eq. 1's weights, is below fix_confidence; the most
-/// doubtful of them where there are too many. The picture can then be written by compute shaders.
+/// there) keep their own colour, made linear. Different objects do not mix (packed: objects whose
+/// tags differ, 2047 of 2048; viz/quality/lod_object.glsl). Every output is finite for every input.
+/// With the fine size: no pass, `coarse_linear` itself. With `fix` and fix_share above 0, *fix
+/// becomes the list of pixels whose confidence, the sum of Eq. 1's weights, is below
+/// fix_confidence; the most doubtful of them where there are too many. The picture can then be
+/// written by compute shaders.
 [[nodiscard]] graph::TextureId add_reconstruction(graph::FrameGraph& graph,
                                                   graph::TextureId coarse_linear,
                                                   const CoarseSurface& coarse,

@@ -13,8 +13,8 @@ layout(set = 0, binding = 3) uniform sampler2D albedo;
 layout(set = 0, binding = 4) uniform sampler2D view_z;
 layout(set = 0, binding = 5) uniform sampler2D normal;
 #ifdef KINO_LOD_OBJECT
-layout(set = 0, binding = 6) uniform usampler2D coarse_object;
-layout(set = 0, binding = 7) uniform usampler2D object;
+#include "viz/quality/lod_object.glsl"
+layout(set = 0, binding = 6) uniform usampler2D object;
 #endif
 layout(constant_id = 3) const uint kDoubt = 0u;
 layout(location = 0) out vec4 out_linear;
@@ -30,6 +30,8 @@ void main() {
     bool there = is_there(z);
     z = there ? z : 1.0;
 
+    vec4 lit[4];
+    for (int j = 0; j < 4; ++j) lit[j] = texelFetch(coarse_light, corner[j], 0);
     uvec4 guide;
     for (int j = 0; j < 4; ++j) guide[j] = texelFetch(coarse_guide, corner[j], 0).r;
     vec4 steps = vec4(guide >> 16);
@@ -63,15 +65,14 @@ void main() {
     if (kKeepBackground != 0u) e = mix(e, vec4(kNothing), lessThan(steps, vec4(0.5)));
     e += (dx * dx + dy * dy) * (p.n_weight / (kGuideNormalSteps * kGuideNormalSteps));
 #ifdef KINO_LOD_OBJECT
-    uint own_object = texelFetch(object, here, 0).r;
-    for (int j = 0; j < 4; ++j) {
-        e[j] += texelFetch(coarse_object, corner[j], 0).r == own_object ? 0.0 : kOtherObject;
-    }
+    vec4 tags = vec4(lit[0].a, lit[1].a, lit[2].a, lit[3].a);
+    float own_tag = object_tag(texelFetch(object, here, 0).r);
+    e += mix(vec4(kOtherObject), vec4(0.0), equal(tags, vec4(own_tag)));
 #endif
     vec4 w = range_weights(e, tent(at.t));
 
     vec3 light = vec3(0.0);
-    for (int j = 0; j < 4; ++j) light += w[j] * texelFetch(coarse_light, corner[j], 0).rgb;
+    for (int j = 0; j < 4; ++j) light += w[j] * lit[j].rgb;
     light /= w.x + w.y + w.z + w.w;
     vec4 seen = texelFetch(albedo, here, 0);
     vec3 own = from_srgb(seen.rgb);

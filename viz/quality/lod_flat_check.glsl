@@ -13,8 +13,8 @@ layout(set = 0, binding = 3) uniform sampler2D albedo;
 layout(set = 0, binding = 4) uniform sampler2D view_z;
 layout(set = 0, binding = 5) uniform sampler2D normal;
 #ifdef KINO_LOD_OBJECT
-layout(set = 0, binding = 6) uniform usampler2D coarse_object;
-layout(set = 0, binding = 7) uniform usampler2D object;
+#include "viz/quality/lod_object.glsl"
+layout(set = 0, binding = 6) uniform usampler2D object;
 #endif
 layout(location = 0) out vec4 out_linear;
 layout(location = 1) out float out_doubt;
@@ -25,7 +25,8 @@ void main() {
     ivec2 here = ivec2(gl_FragCoord.xy);
     Footprint at = footprint_of(vec2(here), p.coarse_of_fine, p.last);
     vec4 f = tent(at.t);
-    vec3 light = f.x * texelFetch(coarse_light, at.a, 0).rgb +
+    vec4 at_a = texelFetch(coarse_light, at.a, 0);
+    vec3 light = f.x * at_a.rgb +
                  f.y * texelFetch(coarse_light, ivec2(at.b.x, at.a.y), 0).rgb +
                  f.z * texelFetch(coarse_light, ivec2(at.a.x, at.b.y), 0).rgb +
                  f.w * texelFetch(coarse_light, at.b, 0).rgb;
@@ -55,8 +56,8 @@ void main() {
     if (kKeepBackground != 0u && steps < 0.5) e = kNothing;
     e += dot(apart, apart) * p.n_weight;
 #ifdef KINO_LOD_OBJECT
-    bool same = texelFetch(coarse_object, nearest, 0).r == texelFetch(object, here, 0).r;
-    e += same ? 0.0 : kOtherObject;
+    // All four have one object, or the tile were not flat.
+    e += object_tag(texelFetch(object, here, 0).r) == at_a.a ? 0.0 : kOtherObject;
 #endif
     out_doubt = own_color ? 0.0 : doubt_of(vec4(e), vec4(0.25));
 }

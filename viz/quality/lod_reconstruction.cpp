@@ -27,6 +27,9 @@ constexpr std::uint32_t kLodRunsVertex[] = {
 constexpr std::uint32_t kLodPack[] = {
 #include "lod_pack_frag.inc"
 };
+constexpr std::uint32_t kLodPackObject[] = {
+#include "lod_pack_object_frag.inc"
+};
 constexpr std::uint32_t kLodBilinear[] = {
 #include "lod_bilinear_frag.inc"
 };
@@ -120,12 +123,16 @@ void add_pack(FrameGraph& graph, Upsampling& up) {
     const auto height = static_cast<std::uint32_t>(tiles.last.y + 1);
     up.light = graph.create_texture("coarse light", {width, height, kLodLinearFormat});
     const auto execute = [up, width, height](PassContext& c) {
-        gpu::PipelineDesc desc = fragment_pipeline("lod/pack", kLodPack, 2, 0);
+        gpu::PipelineDesc desc =
+            up.has_object ? fragment_pipeline("lod/pack with objects", kLodPackObject, 3, 0)
+                          : fragment_pipeline("lod/pack", kLodPack, 2, 0);
         desc.constants = {up.options.fine_grained ? 1u : 0u};
         desc.color_formats = {kLodLinearFormat};
         const std::array<gpu::Target, 1> targets = {{{.view = c.view(up.light)}}};
         c.commands().begin_rendering({width, height}, targets, nullptr);
-        if (c.bind(desc, {c.bound(up.linear), c.bound(up.coarse.surface.albedo)})) {
+        std::vector<gpu::Bound> inputs = {c.bound(up.linear), c.bound(up.coarse.surface.albedo)};
+        if (up.has_object) inputs.push_back(c.bound(up.coarse.surface.object));
+        if (c.bind(desc, inputs)) {
             c.commands().draw(3);
         }
         c.commands().end_rendering();
@@ -135,6 +142,7 @@ void add_pack(FrameGraph& graph, Upsampling& up) {
         [&](PassBuilder& b) {
             b.read(up.linear, Use::fragment_read);
             b.read(up.coarse.surface.albedo, Use::fragment_read);
+            if (up.has_object) b.read(up.coarse.surface.object, Use::fragment_read);
             up.light = b.write(up.light, Use::color_attachment);
         },
         execute);
@@ -225,7 +233,7 @@ void draw_guided(PassContext& c, const Upsampling& up, const char* name,
                  BufferId rectangles, std::size_t command) {
     const bool runs = rectangles.valid();
     gpu::PipelineDesc desc = fragment_pipeline(name, up.has_object ? with_objects : plain,
-                                               up.has_object ? 8 : 6, sizeof(up.params));
+                                               up.has_object ? 7 : 6, sizeof(up.params));
     if (runs) desc.name += " tiles";
     if (up.has_object) desc.name += " with objects";
     if (runs) desc.vertex = kLodRunsVertex;
@@ -239,10 +247,7 @@ void draw_guided(PassContext& c, const Upsampling& up, const char* name,
         c.bound(up.fine.albedo),
         c.bound(up.fine.view_z),
         c.bound(up.fine.normal)};
-    if (up.has_object) {
-        inputs.push_back(c.bound(up.coarse.surface.object));
-        inputs.push_back(c.bound(up.fine.object));
-    }
+    if (up.has_object) inputs.push_back(c.bound(up.fine.object));
     if (!c.bind(desc, inputs)) return;
     c.commands().constants(up.params);
     if (runs) {
@@ -334,10 +339,8 @@ void add_up(FrameGraph& graph, Upsampling& up, Kernel kernel) {
                 if (kernel != Kernel::wide) read(up.coarse.guide);
                 read(up.fine.view_z);
                 read(up.fine.normal);
-                if (up.has_object) {
-                    read(up.coarse.surface.object);
-                    read(up.fine.object);
-                }
+                if (up.has_object) read(up.fine.object);
+                if (up.has_object && kernel == Kernel::wide) read(up.coarse.surface.object);
             }
             if (kernel == Kernel::tiles) {
                 b.read(up.draws, Use::indirect_read);
@@ -393,6 +396,7 @@ graph::TextureId add_reconstruction(graph::FrameGraph& graph, graph::TextureId c
     if (fixes) up.doubt = graph.create_texture("doubt", {width, height, kDoubtFormat});
 
     const Kernel kernel = kernel_of(options);
+    if (kernel == Kernel::flat) up.has_object = false;  // nobody asks
     if (kernel != Kernel::bilinear && kernel != Kernel::wide) add_pack(graph, up);
     if (kernel == Kernel::tiles) add_tiles(graph, up);
     add_up(graph, up, kernel);
