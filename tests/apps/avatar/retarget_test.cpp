@@ -357,5 +357,94 @@ TEST(Retargeting, TenJointsOfASeatedPersonAreEnough) {
     EXPECT_FALSE(other.placed());
 }
 
+// Half a turn of twist can be had either way; noise there must not choose anew in every frame.
+TEST(Retargeting, TwistNearHalfATurnDoesNotFlutter) {
+    Retarget retarget(mannequin_rest(), {.turn_rate = 1e9});
+    BodyAim aim = standing();
+    const glm::dvec3 shoulder = aim.joint_m[index_of(Joint::shoulder_left)];
+    aim.joint_m[index_of(Joint::elbow_left)] = shoulder + glm::dvec3(0.285, 0, 0);
+    aim.seen[index_of(Joint::hand_left)] = false;
+    std::mt19937_64 random(4);
+    std::uniform_real_distribution<double> noise(-0.1, 0.1);
+    glm::dquat before{1, 0, 0, 0};
+    for (int i = 0; i < 160; ++i) {
+        // From forwards over the top to backwards, where it shakes.
+        const double angle = i < 60 ? std::numbers::pi * i / 60 : std::numbers::pi + noise(random);
+        aim.joint_m[index_of(Joint::wrist_left)] =
+            shoulder + glm::dvec3(0.285, 0.25 * std::sin(angle), 0.25 * std::cos(angle));
+        retarget.step(aim, {}, kDt);
+        const glm::dquat now = retarget.turn(Joint::elbow_left);
+        if (i > 0) {
+            EXPECT_LT(turned_rad(before, now), 0.3) << i;
+        }
+        before = now;
+    }
+}
+
+TEST(Retargeting, TheMatricesShareTheTwistAndMeetAtTheJoints) {
+    const auto rig = rig_called("mannequin");
+    const auto rest = mannequin_rest();
+    BodyAim aim = standing();
+    // Long forearms and short shins, and a twisted arm.
+    for (const Joint j : {Joint::wrist_left, Joint::hand_left}) {
+        aim.joint_m[index_of(j)] = aim.joint_m[index_of(Joint::elbow_left)] +
+                                   glm::dvec3(j == Joint::wrist_left ? 0.31 : 0.40, 0.05, 0.05);
+    }
+    for (const Joint j : {Joint::ankle_right, Joint::foot_right}) {
+        aim.joint_m[index_of(j)].y += 0.06;
+    }
+    Retarget retarget(rest);
+    retarget.step(aim, {}, kDt);
+    const glm::dvec3 origin = retarget.joint_m()[0];
+    const auto pose = retarget.object_from_bind(origin);
+    EXPECT_GT(retarget.ratio(Joint::wrist_left), 1.1);
+    EXPECT_LT(retarget.ratio(Joint::ankle_right), 0.92);
+    const auto posed = [&](Joint bone, const glm::dvec3& point) {
+        const int r = rig->of_joint[index_of(bone)];
+        return origin + retarget.scale() *
+                            glm::dvec3(pose[static_cast<std::size_t>(r)] * glm::vec4(point, 1));
+    };
+    for (const Joint end : {Joint::elbow_left, Joint::wrist_left, Joint::knee_right,
+                            Joint::ankle_right, Joint::elbow_right}) {
+        const Joint start = kJointParent[index_of(end)];
+        for (const Joint at : {start, end}) {
+            EXPECT_LT(glm::length(posed(start, rest->joint_m[index_of(at)]) -
+                                  retarget.joint_m()[index_of(at)]),
+                      1e-4)
+                << joint_name(end) << " " << joint_name(at);
+        }
+    }
+    // Two joints of the upper arm: what is missing of the twist is three quarters and one.
+    const glm::dquat whole = retarget.turn(Joint::elbow_left);
+    const glm::dvec3 hinge = rest->hinge[index_of(Joint::elbow_left)];
+    const auto missing = [&](const char* name) {
+        glm::dvec3 turned(0);
+        for (std::size_t r = 0; r < rig->joints.size(); ++r) {
+            if (rig->joints[r].name == name) turned = glm::dmat3(glm::mat3(pose[r])) * hinge;
+        }
+        return angle_about(whole * rest->axis[index_of(Joint::elbow_left)], turned, whole * hinge);
+    };
+    const double first = missing("upper_arm.L");
+    const double second = missing("upper_arm_twist.L");
+    EXPECT_GT(std::abs(first), 0.2);
+    EXPECT_NEAR(second, first / 3, 1e-5);
+}
+
+// A rig of its own size stands with its knees as the person's are, not squatting or floating.
+TEST(Retargeting, ARigOfItsOwnSizeStandsAsThePersonDoes) {
+    BodyAim child = standing();
+    for (glm::dvec3& p : child.joint_m) p *= 0.7;
+    Retarget retarget(mannequin_rest());
+    for (int i = 0; i < 10; ++i) {
+        retarget.step(child, {.scale_bones = false, .floor_y_m = 0.0}, kDt);
+    }
+    const auto bend = [](const PerJoint<glm::dvec3>& p) {
+        return degrees_between(p[index_of(Joint::knee_left)] - p[index_of(Joint::hip_left)],
+                               p[index_of(Joint::ankle_left)] - p[index_of(Joint::knee_left)]);
+    };
+    EXPECT_NEAR(bend(retarget.joint_m()), bend(child.joint_m), 5);
+    EXPECT_NEAR(retarget.sole_y_m(0), 0, 0.005);
+}
+
 }  // namespace
 }  // namespace kino::test
