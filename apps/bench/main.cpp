@@ -185,7 +185,11 @@ int run(const Options& options) {
     bool good = true;
     std::string csv(csv_header());
     for (const Entry* entry : chosen) good = run_entry(*entry, options, csv) && good;
-    if (options.pages) good = make_pages(options) == 0 && good;
+    // The page beside the figures goes with them.
+    const bool has_page =
+        !options.docs_folder.empty() &&
+        std::filesystem::exists(std::filesystem::path(options.docs_folder) / "index.html");
+    if (options.pages || has_page) good = make_pages(options) == 0 && good;
     return finish(options, csv, good);
 }
 
