@@ -23,6 +23,14 @@ TEST(AvatarRigs, BundledOnesStandOnTheFloorAndFaceForward) {
         EXPECT_GT(at(Joint::head).y, at(Joint::hip_center).y + 0.3) << name;
         EXPECT_GT(at(Joint::foot_left).z, at(Joint::ankle_left).z) << name;
         EXPECT_NEAR(at(Joint::hip_center).x, 0, 1e-3) << name;
+        // Every joint hangs on the one before, also in files where feet hang on the root.
+        for (const Joint joint : {Joint::elbow_left, Joint::wrist_right, Joint::knee_left,
+                                  Joint::ankle_left, Joint::ankle_right}) {
+            const int above = (*rig)->of_joint[index_of(kJointParent[index_of(joint)])];
+            int r = (*rig)->of_joint[index_of(joint)];
+            while (r >= 0 && r != above) r = (*rig)->joints[static_cast<std::size_t>(r)].parent;
+            EXPECT_EQ(r, above) << name << " " << joint_name(joint);
+        }
         double low = 1;
         double high = 0;
         for (const AvatarPart& part : (*rig)->parts) {

@@ -159,7 +159,8 @@ TEST_F(Troupe, PeopleWhoseIdentitiesSwapKeepTheirAvatars) {
     AvatarTroupe troupe(rig(), {.idle = false});
     std::array<double, 2> x{};
     for (int i = 0; i < 60; ++i) {
-        BodyFrame frame = crowd(2, i * kFrameS);
+        // Within arm's reach of each other, where a name alone would be believed.
+        BodyFrame frame = crowd(2, i * kFrameS, 0.5);
         if (i % 2 == 1) std::swap(frame.bodies[0].id, frame.bodies[1].id);
         troupe.step(moment_of(frame, kFrameS));
         ASSERT_EQ(troupe.shown(), 2u);
