@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <vector>
 
 namespace kino {
