@@ -32,8 +32,9 @@ struct AvatarOptions {
 };
 
 struct AvatarMoment {
-    double dt_s = 0;                    ///< since the last one; brought into 0 to 0.1
-    const BodyFrame* bodies = nullptr;  ///< depth-camera space; null: nobody
+    double dt_s = 0;  ///< since the last one; brought into 0 to 0.1
+    /// Depth-camera space; between two depth frames, the last one again. Null: nobody.
+    const BodyFrame* bodies = nullptr;
     Pose world_from_depth;
     std::optional<double> floor_y_m;  ///< world; empty: feet are where joints say
     glm::dvec3 middle_m{0};           ///< world, on the floor: where the idle one stands
