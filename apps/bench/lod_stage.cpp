@@ -10,12 +10,12 @@
 #include "apps/bench/lod_stage_shared.h"
 #include "tests/scenes/depth_scene.h"
 #include "tests/scenes/raster_scenes.h"
+#include "tests/viz/host_copies.h"
 #include "viz/frame/renderer.h"
 
 namespace kino::bench {
 namespace {
 
-using graph::BufferId;
 using graph::FrameGraph;
 using graph::PassBuilder;
 using graph::PassContext;
@@ -148,25 +148,10 @@ Seen seen_along(const LodStage& stage, const glm::dvec3& ray) {
 
 Result<void> fill(gpu::Device& device, gpu::Texture& texture, int width, int height,
                   VkFormat format, const void* pixels, std::size_t bytes) {
-    KINO_ASSIGN(texture, gpu::Texture::create(device, "stage",
+    KINO_ASSIGN(texture, test::filled_texture(device, "stage",
                                               {static_cast<std::uint32_t>(width),
                                                static_cast<std::uint32_t>(height)},
-                                              format));
-    KINO_ASSIGN(gpu::Buffer source,
-                gpu::Buffer::create(device, "stage", bytes, gpu::MemoryUse::upload));
-    source.write(std::span(static_cast<const char*>(pixels), bytes));
-    const auto done = device.submit_and_wait([&](VkCommandBuffer buffer) {
-        gpu::Commands commands(device, buffer);
-        commands.to_general(texture.image());
-        commands.full_barrier();
-        const VkBufferImageCopy region{
-            .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-            .imageExtent = {texture.extent().width, texture.extent().height, 1}};
-        vkCmdCopyBufferToImage(buffer, source.handle(), texture.image(), VK_IMAGE_LAYOUT_GENERAL, 1,
-                               &region);
-        commands.full_barrier();
-    });
-    if (!done) return fail(done.error());
+                                              format, pixels, bytes));
     return {};
 }
 
@@ -306,23 +291,7 @@ Result<void> LodPlayer::draw(What what, const FramebufferLodOptions& options,
         out = add_reconstruction(graph, linear, coarse, fine, view, options);
     }
     graph.require(out);
-    if (reading_) {
-        BufferId host = graph.import_buffer("picture", readback_);
-        graph.add_pass(
-            "bench/read", "read",
-            [&](PassBuilder& b) {
-                b.read(out, Use::transfer_read);
-                host = b.write(host, Use::transfer_write);
-            },
-            [out, host](PassContext& c) {
-                const VkBufferImageCopy region{
-                    .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-                    .imageExtent = {c.desc(out).width, c.desc(out).height, 1}};
-                vkCmdCopyImageToBuffer(c.commands().handle(), c.image(out), VK_IMAGE_LAYOUT_GENERAL,
-                                       c.buffer(host), 1, &region);
-            });
-        graph.require(host);
-    }
+    if (reading_) test::read_back(graph, out, readback_);
     const auto report = executor_.run(graph, timing);
     if (!report) return fail(report.error());
     return {};

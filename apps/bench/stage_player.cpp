@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <glm/gtc/packing.hpp>
 
+#include "tests/viz/host_copies.h"
+
 namespace kino::bench {
 
 StagePlayer::StagePlayer(gpu::Device& device)
@@ -36,21 +38,7 @@ Result<StagePlayer::Drawn> StagePlayer::draw(const Scene& scene, const View& vie
             KINO_ASSIGN(readback_, gpu::Buffer::create(device_, "stage readback", pixels * 8,
                                                        gpu::MemoryUse::readback));
         }
-        graph::BufferId host = graph.import_buffer("stage readback", readback_);
-        graph.add_pass(
-            "bench/read", "readback",
-            [&](graph::PassBuilder& b) {
-                b.read(stage.linear, graph::Use::transfer_read);
-                host = b.write(host, graph::Use::transfer_write);
-            },
-            [from = stage.linear, host](graph::PassContext& c) {
-                const VkBufferImageCopy region{
-                    .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-                    .imageExtent = {c.desc(from).width, c.desc(from).height, 1}};
-                vkCmdCopyImageToBuffer(c.commands().handle(), c.image(from),
-                                       VK_IMAGE_LAYOUT_GENERAL, c.buffer(host), 1, &region);
-            });
-        graph.require(host);
+        test::read_back(graph, stage.linear, readback_);
     }
     Drawn drawn;
     KINO_ASSIGN(const graph::FrameReport report, executor_.run(graph, timing));

@@ -6,6 +6,7 @@
 #include <glm/gtc/packing.hpp>
 #include <glm/packing.hpp>
 
+#include "tests/viz/host_copies.h"
 #include "viz/light/light_passes.h"
 
 namespace kino::test {
@@ -13,8 +14,6 @@ namespace {
 
 using graph::BufferId;
 using graph::FrameGraph;
-using graph::PassBuilder;
-using graph::PassContext;
 using graph::TextureId;
 using graph::Use;
 
@@ -26,39 +25,6 @@ std::uint32_t packed_normal(const glm::vec3& n) {
         out.y = (1 - std::abs(o.x)) * (o.y >= 0 ? 1.0f : -1.0f);
     }
     return glm::packSnorm2x16(out);
-}
-
-void read_buffer(FrameGraph& graph, BufferId from, const gpu::Buffer& into, std::uint64_t bytes) {
-    BufferId host = graph.import_buffer("readback", into);
-    graph.add_pass(
-        "test/read buffer", "readback",
-        [&](PassBuilder& b) {
-            b.read(from, Use::transfer_read);
-            host = b.write(host, Use::transfer_write);
-        },
-        [=](PassContext& c) {
-            const VkBufferCopy region{.size = bytes};
-            vkCmdCopyBuffer(c.commands().handle(), c.buffer(from), c.buffer(host), 1, &region);
-        });
-    graph.require(host);
-}
-
-void read_texture(FrameGraph& graph, TextureId from, const gpu::Buffer& into, VkExtent2D extent) {
-    BufferId host = graph.import_buffer("readback", into);
-    graph.add_pass(
-        "test/read texture", "readback",
-        [&](PassBuilder& b) {
-            b.read(from, Use::transfer_read);
-            host = b.write(host, Use::transfer_write);
-        },
-        [=](PassContext& c) {
-            const VkBufferImageCopy region{
-                .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-                .imageExtent = {extent.width, extent.height, 1}};
-            vkCmdCopyImageToBuffer(c.commands().handle(), c.image(from), VK_IMAGE_LAYOUT_GENERAL,
-                                   c.buffer(host), 1, &region);
-        });
-    graph.require(host);
 }
 
 template <class T>
@@ -81,20 +47,7 @@ Result<void> LightRig::upload(gpu::Texture& texture, const char* name, VkFormat 
                               int height, const void* bytes, std::size_t count) {
     const VkExtent2D extent{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
     texture = gpu::Texture();
-    KINO_ASSIGN(texture, gpu::Texture::create(device_, name, extent, format));
-    KINO_ASSIGN(gpu::Buffer staging,
-                gpu::Buffer::create(device_, "staging", count, gpu::MemoryUse::upload));
-    std::memcpy(staging.mapped(), bytes, count);
-    const auto moved = device_.submit_and_wait([&](VkCommandBuffer commands) {
-        gpu::Commands(device_, commands).to_general(texture.image());
-        const VkBufferImageCopy region{
-            .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-            .imageExtent = {extent.width, extent.height, 1}};
-        vkCmdCopyBufferToImage(commands, staging.handle(), texture.image(), VK_IMAGE_LAYOUT_GENERAL,
-                               1, &region);
-        gpu::Commands(device_, commands).full_barrier();
-    });
-    if (!moved) return fail(moved.error());
+    KINO_ASSIGN(texture, filled_texture(device_, name, extent, format, bytes, count));
     return {};
 }
 
@@ -187,19 +140,19 @@ Result<LightRig::Drawn> LightRig::draw(const Scene& scene, const View& view,
     if (options.read) {
         if (linear.valid()) {
             KINO_ASSIGN(host[0], host_buffer(0, pixels * 8));
-            read_texture(graph, linear, *host[0], extent);
+            read_back(graph, linear, *host[0]);
         }
         if (lights > 0) {
             KINO_ASSIGN(host[1], host_buffer(1, bytes_of(lists.lights)));
-            read_buffer(graph, lists.lights, *host[1], lights * sizeof(shared::LightRecord));
+            read_back(graph, lists.lights, *host[1], lights * sizeof(shared::LightRecord));
         }
         if (lists.tile_px != 0) {
             KINO_ASSIGN(host[2], host_buffer(2, tiles * 8));
-            read_buffer(graph, lists.headers, *host[2], tiles * 8);
+            read_back(graph, lists.headers, *host[2], tiles * 8);
             KINO_ASSIGN(host[3], host_buffer(3, index_bytes));
-            read_buffer(graph, lists.indices, *host[3], index_bytes);
+            read_back(graph, lists.indices, *host[3], index_bytes);
             KINO_ASSIGN(host[4], host_buffer(4, sizeof(shared::LightListCounters)));
-            read_buffer(graph, lists.counters, *host[4], sizeof(shared::LightListCounters));
+            read_back(graph, lists.counters, *host[4], sizeof(shared::LightListCounters));
         }
     }
     KINO_ASSIGN(drawn.report, executor_.run(graph, options.timing));

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/packing.hpp>
 
+#include "tests/viz/host_copies.h"
+
 namespace kino::test {
 namespace {
 
@@ -17,11 +19,6 @@ using graph::PassBuilder;
 using graph::PassContext;
 using graph::TextureId;
 using graph::Use;
-
-VkBufferImageCopy whole_of(const graph::TextureDesc& desc) {
-    return {.imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
-            .imageExtent = {desc.width, desc.height, 1}};
-}
 
 std::uint8_t picked_byte(std::uint8_t value, bool fine_grained) {
     return fine_grained ? std::max<std::uint8_t>(value, 32) : value;
@@ -57,7 +54,8 @@ struct LodRig::Frame {
                 to = b.write(to, Use::transfer_write);
             },
             [from, to](PassContext& c) {
-                const VkBufferImageCopy region = whole_of(c.desc(to));
+                const VkBufferImageCopy region =
+                    whole_picture({c.desc(to).width, c.desc(to).height});
                 vkCmdCopyBufferToImage(c.commands().handle(), c.buffer(from), c.image(to),
                                        VK_IMAGE_LAYOUT_GENERAL, 1, &region);
             });
@@ -68,37 +66,14 @@ struct LodRig::Frame {
         const graph::TextureDesc desc = graph.resources()[texture.index].texture;
         const gpu::Buffer& host =
             buffer(bytes_a_pixel * desc.width * desc.height, gpu::MemoryUse::readback);
-        BufferId to = graph.import_buffer("host", host);
-        graph.add_pass(
-            "rig/read", "rig",
-            [&](PassBuilder& b) {
-                b.read(texture, Use::transfer_read);
-                to = b.write(to, Use::transfer_write);
-            },
-            [texture, to](PassContext& c) {
-                const VkBufferImageCopy region = whole_of(c.desc(texture));
-                vkCmdCopyImageToBuffer(c.commands().handle(), c.image(texture),
-                                       VK_IMAGE_LAYOUT_GENERAL, c.buffer(to), 1, &region);
-            });
-        graph.require(to);
+        test::read_back(graph, texture, host);
         return &host;
     }
 
     const gpu::Buffer* read_back(BufferId from) {
         const std::uint64_t bytes = graph.resources()[from.index].buffer.bytes;
         const gpu::Buffer& host = buffer(bytes, gpu::MemoryUse::readback);
-        BufferId to = graph.import_buffer("host", host);
-        graph.add_pass(
-            "rig/read", "rig",
-            [&](PassBuilder& b) {
-                b.read(from, Use::transfer_read);
-                to = b.write(to, Use::transfer_write);
-            },
-            [from, to, bytes](PassContext& c) {
-                const VkBufferCopy region{.size = bytes};
-                vkCmdCopyBuffer(c.commands().handle(), c.buffer(from), c.buffer(to), 1, &region);
-            });
-        graph.require(to);
+        test::read_back(graph, from, host, bytes);
         return &host;
     }
 };
