@@ -42,13 +42,14 @@ struct FrameOptions {
     BounceOptions bounces;  ///< of spotlights that ask for one bounce
     /// Set: light is worked out on a coarser surface, where the scene is staged (stage.h).
     std::optional<FramebufferLodOptions> lod;
-    /// 4: scenes with meshes get smooth edges (multisampled_stage.h); not with lod. 1 costs nothing.
+    /// 4: scenes with meshes get smooth edges (multisampled_stage.h); not with lod. 1 costs
+    /// nothing.
     std::uint32_t samples = 1;
     SampleResolve resolve = SampleResolve::as_shown;
     ZoomOptions zoom;  ///< the whole picture coarser, enlarged by copying; the overlay is not
-    graph::Timing timing = graph::Timing::frame;
     /// Set: the finished picture is brought to the newest pose, just before the overlay.
     std::optional<DeflectOptions> deflect;
+    graph::Timing timing = graph::Timing::frame;
     /// Also copies the view depth under this pixel back (FrameStats::depth_at_m).
     std::optional<glm::ivec2> probe_px;
     /// Copies the finished picture (and, if asked, the surface) back to the host.
@@ -112,9 +113,9 @@ class Renderer {
     [[nodiscard]] std::uint64_t live_depth_bytes() const { return rasterizer_.bytes(); }
     /// Bytes of the meshes that the last scene showed.
     [[nodiscard]] std::uint64_t mesh_bytes() const { return meshes_.bytes(); }
-    /// Bytes of mapped memory that zooming takes.
     /// What became of the last frame's picture on its way to full size.
     [[nodiscard]] const ZoomReport& zoom_report() const { return zoom_.report(); }
+    /// Bytes of mapped memory that zooming takes.
     [[nodiscard]] std::uint64_t zoom_bytes() const { return zoom_.bytes(); }
     /// Bytes of the tree that rays are cast through.
     [[nodiscard]] std::uint64_t bvh_bytes() const { return bvh_.bytes(); }
