@@ -58,12 +58,14 @@ void draw_stats(const UiCanvas& canvas, const std::vector<std::string>& lines) {
     const float text = canvas.high(0.026f), row = canvas.high(0.034f);
     float wide = 0;
     for (const std::string& line : lines) wide = std::max(wide, canvas.width_of(line, text));
-    const float edge = canvas.high(0.02f);
-    canvas.plate({edge, edge}, {wide + 3 * edge, row * static_cast<float>(lines.size()) + 2 * edge},
-                 kPlate, 0.5f * edge);
+    // Below the banner.
+    const float edge = canvas.high(0.02f), top = canvas.high(0.125f);
+    canvas.plate({edge, top},
+                 {wide + 3 * edge, top + row * static_cast<float>(lines.size()) + edge}, kPlate,
+                 0.5f * edge);
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        canvas.words_from(lines[i], {2 * edge, 1.5f * edge + row * (static_cast<float>(i) + 0.5f)},
-                          text, kSoft);
+        const float y = top + 0.5f * edge + row * (static_cast<float>(i) + 0.5f);
+        canvas.words_from(lines[i], {2 * edge, y}, text, kSoft);
     }
 }
 
