@@ -240,7 +240,7 @@ Result<void> ShowWindow::draw(TimeNs now) {
     }
     last_draw_ = now;
     if (fresh_) {
-        latencies_.add(latency_of(*fresh_, desk_->has_sensor(), began, presented));
+        latencies_.add(latency_of(*fresh_, desk_->shows_device(), began, presented));
         if (first_picture_ == 0) first_picture_ = presented;
     }
     fresh_.reset();

@@ -42,6 +42,8 @@ class SourceDesk {
     [[nodiscard]] Shown step(TimeNs now);
 
     [[nodiscard]] bool has_sensor() const { return live_ != nullptr; }
+    /// What is shown now comes from a device, whose frames carry the host's clock.
+    [[nodiscard]] bool shows_device() const { return mode_ == ShowMode::live && is_device_; }
     /// Whoever looks for one has come back empty-handed once; before, nothing is known.
     [[nodiscard]] bool knows_of_none() const { return trouble().has_value(); }
     /// Why there is no sensor, as far as that is known.
