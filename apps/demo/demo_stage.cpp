@@ -143,7 +143,8 @@ void DemoPlay::State::cut_people(const DemoMoment& moment) {
                      .world_from_depth = world_from_depth,
                      .previous_world_from_depth = previous,
                      .style = file.style,
-                     .splat_cap_px = file.splat_px};
+                     .splat_cap_px = file.splat_px,
+                     .casts_shadows = file.casts_shadows};
 }
 
 void DemoPlay::State::add_balls(Scene& out, std::uint32_t glow) {

@@ -22,7 +22,7 @@ struct BounceOptions {
     BounceMode mode = BounceMode::diffuse;
     float gain = 1;  ///< of artist mode
     /// Lights end where all of a map's together would give less than this irradiance (linear).
-    float cutoff = 0.1f;
+    float cutoff = 0.03f;
 };
 
 /// Spotlights that ask for one bounce, as indices into Scene::lights.
