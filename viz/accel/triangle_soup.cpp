@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
 
 #include "base/check.h"
+#include "viz/scene/joint_turn.h"
 
 namespace kino {
 namespace {
@@ -18,24 +20,57 @@ bool is_near(const glm::vec3& p) {
     return std::abs(p.x) < kFarthest && std::abs(p.y) < kFarthest && std::abs(p.z) < kFarthest;
 }
 
-glm::dvec3 posed(const MeshNode& node, std::uint32_t vertex) {
-    const MeshAsset& mesh = *node.mesh;
-    const glm::vec4 rest(mesh.positions[vertex], 1);
-    if (!mesh.skinned() || node.pose == nullptr) return rest;
-    glm::vec4 sum(0);
-    for (int k = 0; k < 4; ++k) {
-        const float weight = mesh.weights[vertex][k];
-        if (weight == 0) continue;
-        sum += weight * (node.pose->at(mesh.joints[vertex][static_cast<std::size_t>(k)]) * rest);
+/// Vertices of a node as they are drawn (viz/surface/mesh_skin.comp), object space, in double.
+class PosedVertices {
+  public:
+    explicit PosedVertices(const MeshNode& node) : node_(node) {
+        if (!is_posed() || node.skin != SkinBlend::dual_quaternion) return;
+        for (const glm::mat4& joint : *node.pose) {
+            turns_.push_back(nearest_rotation(glm::dmat3(glm::dmat4(joint))));
+        }
     }
-    return sum;
-}
+
+    [[nodiscard]] glm::dvec3 operator()(std::uint32_t vertex) const {
+        const glm::dvec4 rest(node_.mesh->positions[vertex], 1);
+        if (!is_posed()) return rest;
+        const auto& joints = node_.mesh->joints[vertex];
+        const glm::vec4 weights = node_.mesh->weights[vertex];
+        glm::dvec4 mean(0);
+        glm::dquat turn(0, 0, 0, 0);
+        glm::dquat moved(0, 0, 0, 0);
+        int strongest = 0;
+        for (int k = 1; k < 4; ++k) strongest = weights[k] > weights[strongest] ? k : strongest;
+        for (int k = 0; k < 4; ++k) {
+            if (weights[k] == 0) continue;
+            const std::size_t joint = joints[static_cast<std::size_t>(k)];
+            const glm::dvec4 place = glm::dmat4(node_.pose->at(joint)) * rest;
+            mean += static_cast<double>(weights[k]) * place;
+            if (turns_.empty()) continue;
+            const glm::dquat& first = turns_[joints[static_cast<std::size_t>(strongest)]];
+            const double side = glm::dot(turns_[joint], first) < 0 ? -1 : 1;
+            const glm::dquat part = turns_[joint] * (side * static_cast<double>(weights[k]));
+            turn = turn + part;
+            moved = moved + glm::dquat(0, glm::dvec3(place)) * part;
+        }
+        const double squared = glm::dot(turn, turn);
+        if (!(squared > 0)) return mean;
+        const glm::dquat v = moved * glm::conjugate(turn);
+        return glm::dvec3(v.x, v.y, v.z) / squared;
+    }
+
+  private:
+    [[nodiscard]] bool is_posed() const { return node_.mesh->skinned() && node_.pose != nullptr; }
+
+    const MeshNode& node_;
+    std::vector<glm::dquat> turns_;  // dual quaternions alone
+};
 
 void gather_mesh(const MeshNode& node, TriangleSoup& soup) {
     const MeshAsset& mesh = *node.mesh;
+    const PosedVertices posed(node);
     std::vector<glm::vec3> places(mesh.positions.size());
     for (std::uint32_t i = 0; i < places.size(); ++i) {
-        const glm::dvec3 world = node.world_from_object * glm::dvec4(posed(node, i), 1);
+        const glm::dvec3 world = node.world_from_object * glm::dvec4(posed(i), 1);
         places[i] = world - soup.center;
     }
     for (std::uint32_t face = 0; 3 * face + 2 < mesh.indices.size(); ++face) {

@@ -6,7 +6,7 @@
 #include <glm/packing.hpp>
 
 #include "base/check.h"
-#include "viz/surface/joint_turn.h"
+#include "viz/scene/joint_turn.h"
 
 namespace kino {
 namespace {

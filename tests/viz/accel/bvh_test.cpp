@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <glm/ext/matrix_transform.hpp>
 #include <set>
 
+#include "tests/reference/skinning_reference.h"
 #include "tests/viz/accel/support/ray_meshes.h"
 
 namespace kino {
@@ -243,6 +245,27 @@ TEST(TriangleSoup, skinned_meshes_are_posed) {
     EXPECT_EQ(world(soup.triangles[0].a), glm::vec3(0, 0, 0));
     EXPECT_EQ(world(soup.triangles[0].b), glm::vec3(1, 2, 0));
     EXPECT_EQ(world(soup.triangles[0].c), glm::vec3(0, 2, 0));
+}
+
+TEST(TriangleSoup, dual_quaternions_take_vertices_where_they_are_drawn) {
+    Scene scene = scene_of({{{0, 0, 0}, {1, 0.2f, 0}, {0.3f, 1, 0.4f}}}, {0, 0, 0});
+    auto mesh = std::make_shared<MeshAsset>(*scene.meshes[0].mesh);
+    mesh->joints.assign(3, {0, 1, 2, 0});
+    mesh->weights = {{0.6f, 0.4f, 0, 0}, {0.2f, 0.3f, 0.5f, 0}, {0.45f, 0.55f, 0, 0}};
+    std::vector<glm::mat4> pose(3, glm::mat4(1));
+    pose[1] = glm::rotate(glm::translate(glm::mat4(1), {0.1f, 0.4f, 0}), 2.6f, {1, 0.2f, 0});
+    pose[2] = glm::scale(glm::rotate(glm::mat4(1), -1.9f, {0, 1, 0.5f}), {1.2f, 0.8f, 1.1f});
+    MeshNode& node = scene.meshes[0];
+    node.mesh = mesh;
+    node.pose = std::make_shared<const std::vector<glm::mat4>>(pose);
+    node.skin = SkinBlend::dual_quaternion;
+    const std::vector<test::SkinnedVertex> reference = test::skin_mesh(node);
+    const TriangleSoup soup = gather_triangles(scene);
+    ASSERT_EQ(soup.triangles.size(), 1u);
+    const glm::vec3* corner = &soup.triangles[0].a;
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_LT(glm::length(glm::dvec3(corner[i]) + soup.center - reference[i].position), 1e-6);
+    }
 }
 
 TEST(TriangleSoup, the_depth_frame_tears_where_it_is_drawn_torn) {

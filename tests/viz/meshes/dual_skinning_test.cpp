@@ -6,7 +6,7 @@
 
 #include "mesh_world.h"
 #include "tests/reference/skinned_readback.h"
-#include "viz/surface/joint_turn.h"
+#include "viz/scene/joint_turn.h"
 #include "viz/surface/mesh_shapes.h"
 
 namespace kino::test {

@@ -1,4 +1,4 @@
-#include "viz/surface/joint_turn.h"
+#include "viz/scene/joint_turn.h"
 
 #include <array>
 #include <cmath>
