@@ -128,6 +128,7 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     }
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
+    frame_options.samples = static_cast<std::uint32_t>(options_.samples);
     frame_options.read_picture = true;
     SourceSummary& source = summary_.sources.back();
     source.color = builder_.color_mode(draw);

@@ -46,7 +46,8 @@ const char* loop_name(LoopMode mode) {
 }
 
 FrameBudgetOptions ReplayOptions::budget() const {
-    FrameBudgetOptions options{.target_ms = target_ms, .lod = lod, .zoom = zoom.value_or(1)};
+    FrameBudgetOptions options{
+        .target_ms = target_ms, .lod = lod, .zoom = zoom.value_or(1), .fix_share = fix_share};
     if (lod_auto) {
         options.mode = GovernorMode::automatic;
         options.most_zoom = zoom.value_or(options.most_zoom);

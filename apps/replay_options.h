@@ -35,6 +35,8 @@ struct ReplayOptions {
     /// A scene's roles follow joints, so people are looked for unless --bodies said otherwise.
     [[nodiscard]] bool wants_people() const { return !scene.empty() && !bodies_asked; }
     double lod = 1;                 ///< framebuffer LOD of scenes: resizing factor; 1: off
+    double fix_share = 0;           ///< of the pixels, shaded anew where light is coarse
+    int samples = 1;                ///< a pixel, of scenes with meshes; 1 or 4
     bool lod_auto = false;          ///< or as the frame time asks for
     std::filesystem::path lod_log;  ///< or as in the run that this file tells of; empty: not
     std::optional<int> zoom;        ///< whole pictures so much coarser; lod_auto: at most

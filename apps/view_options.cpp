@@ -126,6 +126,15 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
                    "at most, default 2")
         ->check(CLI::Range(1, kMaxZoom))
         ->type_name("Z");
+    app.add_option("--fix", options->fix_share,
+                   "with --lod: shade anew what no coarse pixel resembles, at most this share of "
+                   "the picture, 0 (default) to 0.5")
+        ->check([](const std::string& word) { return check_number(word, 0, 0.5); })
+        ->type_name("SHARE");
+    app.add_option("--samples", options->samples,
+                   "a pixel of a scene's meshes, 1 (default) or 4: smooth edges; not with --lod")
+        ->check(CLI::IsMember({1, 4}))
+        ->type_name("N");
     app.add_flag("--true-error", options->true_error,
                  "compare a picture in thirty with the same one in full: PSNR and FLIP");
     app.add_option("--target-ms", options->target_ms, "time of a picture that --lod auto holds")

@@ -154,10 +154,12 @@ const FrameChoice& FrameBudget::begin_frame(const Scene& scene, const View& view
     }
     frame.lod.reset();
     if (choice_.lod > 1) {
-        frame.lod = FramebufferLodOptions{.r = choice_.lod};
+        frame.lod = FramebufferLodOptions{.r = choice_.lod,
+                                          .fix_share = static_cast<float>(options_.fix_share)};
         if (choice_.bilinear) {
             frame.lod->reconstruction = Reconstruction::bilinear;
             frame.lod->fine_grained = false;
+            frame.lod->fix_share = 0;
         }
     }
     frame.zoom.z = choice_.zoom;

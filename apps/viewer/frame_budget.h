@@ -22,6 +22,9 @@ struct FrameBudgetOptions {
     int most_zoom = 2;  ///< automatic: not beyond
     /// Automatic: levels that lose more (mean FLIP) are not taken however late frames are.
     double worst_error = 1;
+    /// With guided coarse light: at most this share of the pixels, those that no coarse one
+    /// resembles, is shaded anew (FramebufferLodOptions::fix_share).
+    double fix_share = 0;
 };
 
 /// What was chosen for a frame, and what it is expected to cost and lose.

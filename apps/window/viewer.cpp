@@ -292,6 +292,7 @@ void Viewer::click() {
 void Viewer::take_screenshot() {
     FrameOptions options;
     options.raster = options_.raster;
+    options.samples = static_cast<std::uint32_t>(options_.samples);
     options.read_picture = true;
     auto drawn = renderer_.render_to_image(builder_.scene(draw_options_), view_, options);
     if (!drawn) return say(drawn.error().to_string());

@@ -41,6 +41,7 @@ void Viewer::draw_panels(const WindowInput& input) {
 FrameOptions Viewer::picture_options(const WindowInput& input, ImDrawData& lists) {
     FrameOptions options;
     options.raster = options_.raster;
+    options.samples = static_cast<std::uint32_t>(options_.samples);
     options.timing = settings_.show_overlay ? graph::Timing::one_group : graph::Timing::frame;
     probed_.reset();
     const glm::ivec2 cursor(input.cursor_px);
