@@ -9,7 +9,7 @@
 #include "apps/demo_show/screen_painter.h"
 #include "apps/demo_show/show_keys.h"
 #include "apps/demo_show/show_options.h"
-#include "apps/demo_show/source_desk.h"
+#include "apps/demo_sources/source_desk.h"
 #include "apps/pipeline/time_series.h"
 #include "apps/viewer/frame_budget.h"
 #include "apps/viewer/latency.h"

@@ -18,7 +18,8 @@ inline Result<std::vector<SkinnedVertex>> read_skinned(gpu::Device& device, Mesh
     KINO_TRY(drawer.upload(scene));
     graph::FrameGraph graph(executor.history());
     const MeshList list = drawer.prepare(graph, scene, view, {});
-    if (list.count == 0 || list.skinned.index == list.vertices.index) return fail("nothing is skinned");
+    if (list.count == 0 || list.skinned.index == list.vertices.index)
+        return fail("nothing is skinned");
     const std::uint64_t bytes = graph.resources()[list.skinned.index].buffer.bytes;
     KINO_ASSIGN(gpu::Buffer host,
                 gpu::Buffer::create(device, "read skinned", bytes, gpu::MemoryUse::readback));

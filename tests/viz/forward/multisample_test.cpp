@@ -153,7 +153,8 @@ TEST_F(MultisampleTest, OneSampleCostsNothing) {
     EXPECT_EQ(after->report.transient_bytes, before->report.transient_bytes);
 }
 
-// Four samples of colour and depth, their depths once more, the ground's light and the depths it is drawn over.
+// Four samples of colour and depth, their depths once more, the ground's light and the depths it is
+// drawn over.
 TEST_F(MultisampleTest, MemoryIsThatOfItsTargets) {
     const View view = solid_view(kWide, kHigh);
     const FrameResult one = draw(solid_scene(0), view, {});

@@ -1,4 +1,4 @@
-#include "apps/demo_show/device_watch.h"
+#include "apps/demo_sources/device_watch.h"
 
 #include <chrono>
 #include <utility>

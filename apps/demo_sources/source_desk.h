@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/demo_show/device_watch.h"
+#include "apps/demo_sources/device_watch.h"
 #include "apps/pipeline/live_runner.h"
 
 namespace kino {

@@ -1,4 +1,4 @@
-#include "apps/demo_show/source_desk.h"
+#include "apps/demo_sources/source_desk.h"
 
 #include <fmt/format.h>
 
