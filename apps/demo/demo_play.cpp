@@ -227,6 +227,10 @@ void DemoPlay::reset() {
     state_->reset();
 }
 
+void DemoPlay::next_scene() {
+    state_->change_scene(1, 0);
+}
+
 void DemoPlay::step(const DemoMoment& moment) {
     state_->step(moment);
 }

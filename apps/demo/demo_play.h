@@ -93,6 +93,8 @@ class DemoPlay {
     /// A new source: everybody leaves.
     void reset();
     void step(const DemoMoment& moment);
+    /// As a swipe of the player does, whoever is there: for a host's key.
+    void next_scene();
     /// What is to be drawn now; valid until the next call.
     [[nodiscard]] const Scene& scene();
     /// From where, as the hands turned it.

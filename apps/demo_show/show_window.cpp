@@ -111,12 +111,6 @@ void ShowWindow::toggle_fullscreen() {
     glfwSetWindowMonitor(window, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
 }
 
-/// The key stands for the gesture of whoever is playing.
-void ShowWindow::swipe_along() {
-    if (player_ == 0) return say("scenes are changed by who plays: wave first");
-    heard_.push_back({.kind = GestureKind::swipe_left, .body_id = player_, .primary = true});
-}
-
 void ShowWindow::act(ShowAction action) {
     switch (action) {
         case ShowAction::help:
@@ -129,7 +123,7 @@ void ShowWindow::act(ShowAction action) {
             }
             break;
         case ShowAction::next_scene:
-            swipe_along();
+            play_->next_scene();
             break;
         case ShowAction::record:
             toggle_recording();
@@ -157,13 +151,10 @@ void ShowWindow::take(SourceDesk::Shown shown, TimeNs now) {
         renderer_.cut();
         heard_.clear();
         fresh_.reset();
-        player_ = 0;
         paused_ = false;
         opened_ = now;
     }
     for (GestureEvent& event : shown.gestures) {
-        if (event.kind == GestureKind::engaged) player_ = event.body_id;
-        if (event.kind == GestureKind::released && event.body_id == player_) player_ = 0;
         heard_.push_back(std::move(event));
     }
     if (shown.fresh) {

@@ -32,7 +32,6 @@ class ShowWindow {
     Result<void> open();
     void act(ShowAction action);
     void take(SourceDesk::Shown shown, TimeNs now);
-    void swipe_along();
     void toggle_recording();
     void toggle_fullscreen();
     void say(std::string text);
@@ -55,7 +54,6 @@ class ShowWindow {
     ShowMode mode_ = ShowMode::live;
     std::vector<GestureEvent> heard_;      ///< gestures that no picture shows yet
     std::optional<ProcessedFrame> fresh_;  ///< that no picture shows yet
-    std::uint32_t player_ = 0;             ///< the last who was engaged and not released
     bool paused_ = false, keys_ = false, stats_ = false, screenshot_ = false, warmed_ = false,
          told_why_ = false;
     std::optional<glm::ivec4> windowed_;  ///< place and size before the whole screen was filled

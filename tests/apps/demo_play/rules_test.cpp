@@ -87,6 +87,16 @@ TEST(Rules, EveryGestureChangesWhatIsSeenInItsVeryMoment) {
     }
 }
 
+TEST(Rules, AHostsKeyChangesTheSceneThoughNobodyIsThere) {
+    Game game;
+    game.nobody(1);
+    const std::string before = game.play().scene_name();
+    game.play().next_scene();
+    game.nobody(2);
+    EXPECT_NE(game.play().scene_name(), before);
+    EXPECT_THAT(game.said(), ElementsAre("scene"));
+}
+
 TEST(Rules, SwipesChangeTheSceneBehindTheCurtain) {
     Game game;
     game.engage();
