@@ -48,7 +48,7 @@ struct LiveDepth {
     EdgeRule edge_rule = EdgeRule::range_aware;
     /// Largest splat, px; 1 draws every point as one pixel. Clouds only.
     int splat_cap_px = 1;
-    bool fill_holes = true;  ///< one-pixel holes between splats take a neighbour's colour
+    bool fill_holes = true;      ///< one-pixel holes between splats take a neighbour's colour
     bool casts_shadows = false;  ///< from lights with ray-cast shadows, where the scene is staged
 };
 
