@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <memory>
 #include <string>
 
 #include "apps/avatar/avatar_rig.h"
 #include "apps/calibration_option.h"
+#include "apps/checked_words.h"
 #include "apps/commands.h"
 #include "apps/demo_show/show_options.h"
 #include "apps/exit_codes.h"
@@ -19,34 +19,6 @@
 
 namespace kino {
 namespace {
-
-constexpr int kLeastSide = 16, kLargestSide = 8192;
-
-std::string read_demo_size(const std::string& text, ShowOptions& options) {
-    int width = 0, height = 0;
-    char x = 0, rest = 0;
-    const int read = std::sscanf(text.c_str(), "%d%c%d%c", &width, &x, &height, &rest);
-    if (read != 3 || x != 'x' || std::min(width, height) < kLeastSide ||
-        std::max(width, height) > kLargestSide) {
-        return fmt::format("--size: {} is not WxH with sides from {} to {}", text, kLeastSide,
-                           kLargestSide);
-    }
-    options.width = width;
-    options.height = height;
-    return {};
-}
-
-/// As CLI::Range, which lets NaN through.
-CLI::Validator number_within(double least, double most) {
-    return CLI::Validator(
-        [least, most](const std::string& word) {
-            double value = 0;
-            if (CLI::detail::lexical_cast(word, value) && value >= least && value <= most)
-                return std::string();
-            return fmt::format("{} is not a number from {} to {}", word, least, most);
-        },
-        {});
-}
 
 /// The scene that was asked for, then the others.
 std::vector<std::string> scenes_from(const std::string& first) {
@@ -91,16 +63,17 @@ void add_how_it_is_drawn(CLI::App& app, const std::shared_ptr<ShowOptions>& opti
     app.add_option("--lod", options->lod,
                    "light on a picture R times coarser; default: full headless, in a window as "
                    "--target-ms asks for")
-        ->check(number_within(1, 8))
+        ->check([](const std::string& word) { return check_number(word, 1, 8); })
         ->type_name("R");
     app.add_option("--target-ms", options->target_ms,
                    "time of a picture that is kept in a window, default 33.3")
-        ->check(number_within(1, 1000))
+        ->check([](const std::string& word) { return check_number(word, 1, 1000); })
         ->type_name("T");
     app.add_option_function<std::string>(
            "--size",
            [options](const std::string& text) {
-               if (const std::string problem = read_demo_size(text, *options); !problem.empty()) {
+               if (const std::string problem = read_size(text, options->width, options->height);
+                   !problem.empty()) {
                    throw CLI::ValidationError(problem);
                }
            },

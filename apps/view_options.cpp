@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <string>
 
 #include "apps/calibration_option.h"
+#include "apps/checked_words.h"
 #include "apps/exit_codes.h"
 #include "apps/headless.h"
 #include "apps/interrupt.h"
@@ -23,32 +23,6 @@
 
 namespace kino {
 namespace {
-
-constexpr int kLeastSize = 16;
-constexpr int kLargestSize = 8192;
-
-/// Reads "1280x720"; an error text, or empty.
-std::string read_size(const std::string& text, ReplayOptions& options) {
-    int width = 0, height = 0;
-    char x = 0, rest = 0;
-    const int read = std::sscanf(text.c_str(), "%d%c%d%c", &width, &x, &height, &rest);
-    if (read != 3 || x != 'x' || width < kLeastSize || height < kLeastSize ||
-        width > kLargestSize || height > kLargestSize) {
-        return fmt::format("--size: {} is not WxH with sides from {} to {}", text, kLeastSize,
-                           kLargestSize);
-    }
-    options.width = width;
-    options.height = height;
-    return {};
-}
-
-/// As CLI::Range, which lets NaN through: it is neither below nor above.
-std::string check_number(const std::string& word, double least, double most) {
-    double value = 0;
-    const bool is_number = CLI::detail::lexical_cast(word, value);
-    if (is_number && value >= least && value <= most) return {};
-    return fmt::format("{} is not a number from {} to {}", word, least, most);
-}
 
 /// Of --lod: a run's summary, where it is nothing else.
 bool names_log(const std::string& word) {
@@ -174,9 +148,12 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
     app.add_option_function<std::string>(
            "--size",
            [options](const std::string& text) {
-               if (const std::string problem = read_size(text, *options); !problem.empty()) {
+               int width = 0, height = 0;
+               if (const std::string problem = read_size(text, width, height); !problem.empty()) {
                    throw CLI::ValidationError(problem);
                }
+               options->width = width;
+               options->height = height;
            },
            "of the picture, default 1280x720")
         ->type_name("WxH");
