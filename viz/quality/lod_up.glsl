@@ -15,6 +15,14 @@ vec4 tent(vec2 t) {
     vec2 s = 1.0 - t;
     return vec4(s.x * s.y, t.x * s.y, s.x * t.y, t.x * t.y);
 }
+// The light there, by the tent alone.
+vec3 tent_light(sampler2D coarse_light, Footprint at) {
+    vec4 f = tent(at.t);
+    return f.x * texelFetch(coarse_light, at.a, 0).rgb +
+           f.y * texelFetch(coarse_light, ivec2(at.b.x, at.a.y), 0).rgb +
+           f.z * texelFetch(coarse_light, ivec2(at.a.x, at.b.y), 0).rgb +
+           f.w * texelFetch(coarse_light, at.b, 0).rgb;
+}
 // Squared distances end here, so that nothing overflows, and hard filters lie beyond.
 const float kFarthest = 1e4;
 const float kOtherObject = 1e4;
