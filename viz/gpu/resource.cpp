@@ -163,7 +163,9 @@ std::uint32_t bytes_per_pixel(VkFormat format) {
         case VK_FORMAT_D32_SFLOAT:
             return 4;
         case VK_FORMAT_R16G16B16A16_SFLOAT:
+        case VK_FORMAT_R16G16B16A16_UNORM:
         case VK_FORMAT_R32G32_UINT:
+        case VK_FORMAT_R32G32_SFLOAT:
             return 8;
         case VK_FORMAT_R32G32B32A32_SFLOAT:
             return 16;

@@ -122,6 +122,13 @@ void FrameGraph::require(TextureId id) {
     required_.push_back(id.index);
 }
 
+void FrameGraph::allow_storage(TextureId id) {
+    check_current(id.index, id.version);
+    Resource& resource = resources_[id.index];
+    KINO_CHECK(!resource.imported);
+    resource.texture.storage = true;
+}
+
 void FrameGraph::check_current(std::uint32_t index, std::uint32_t version) const {
     KINO_CHECK_LT(index, resources_.size());
     // A stale id: somebody wrote the resource after this id was made.

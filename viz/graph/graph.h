@@ -127,6 +127,9 @@ class FrameGraph {
     void require(BufferId id);
     void require(TextureId id);
 
+    /// Later passes write single texels of this transient, whoever made it.
+    void allow_storage(TextureId id);
+
     [[nodiscard]] CompiledGraph compile() const;
     [[nodiscard]] std::string to_graphviz() const;
 
