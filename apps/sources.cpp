@@ -18,6 +18,7 @@ void register_sources() {
     register_source(oni_opener());
     register_source(k4a_opener());
     register_source(bag_opener());
+    register_source(session_folder_opener());
     register_source(session_opener());
     register_source(v4l2_opener());
     register_source(openni2_opener());

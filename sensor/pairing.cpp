@@ -6,13 +6,17 @@
 
 namespace kino {
 
+TimeNs median_distance(std::span<const TimeNs> times) {
+    if (times.size() < 2) return kNsPerSecond / 30;
+    std::vector<TimeNs> distances(times.size() - 1);
+    for (std::size_t i = 0; i + 1 < times.size(); ++i) distances[i] = times[i + 1] - times[i];
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return *middle;
+}
+
 TimeNs pairing_limit(std::span<const TimeNs> times) {
-    if (times.size() < 2) return kMinPairingLimit;
-    std::vector<TimeNs> periods(times.size() - 1);
-    for (std::size_t i = 0; i + 1 < times.size(); ++i) periods[i] = times[i + 1] - times[i];
-    const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-    std::nth_element(periods.begin(), middle, periods.end());
-    return std::max(*middle / 2, kMinPairingLimit);
+    return std::max(median_distance(times) / 2, kMinPairingLimit);
 }
 
 std::optional<std::size_t> nearest_in_time(std::span<const TimeNs> times, TimeNs time) {

@@ -11,6 +11,9 @@ namespace kino {
 /// Smallest pairing limit: half a period of 30 Hz, rounded up.
 constexpr TimeNs kMinPairingLimit = 17 * kNsPerMs;
 
+/// The median distance of neighbours in a rising list; 1/30 s where there are none.
+[[nodiscard]] TimeNs median_distance(std::span<const TimeNs> times);
+
 /// Half the median distance of the following stream's frames, at least kMinPairingLimit: a frame
 /// of an evenly running stream is then always in reach and never two periods away. Times rise.
 [[nodiscard]] TimeNs pairing_limit(std::span<const TimeNs> times);

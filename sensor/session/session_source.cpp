@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
-#include "base/check.h"
+#include "sensor/openers.h"
 #include "sensor/pairing.h"
+#include "sensor/recorded_timeline.h"
 
 namespace kino {
 namespace {
@@ -20,7 +22,6 @@ struct Stream {
     std::vector<SessionEntry> frames;
     std::vector<TimeNs> times;
     TimeNs reach = 0;
-    bool subscribed = false;
 };
 
 void finish(Stream& stream) {
@@ -35,15 +36,6 @@ void finish(Stream& stream) {
     }
     stream.reach =
         stream.id.kind == StreamKind::motion ? kMotionReach : pairing_limit(stream.times);
-}
-
-TimeNs median_distance(const std::vector<TimeNs>& times) {
-    if (times.size() < 2) return kNsPerSecond / 30;
-    std::vector<TimeNs> distances(times.size() - 1);
-    for (std::size_t i = 0; i + 1 < times.size(); ++i) distances[i] = times[i + 1] - times[i];
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    return *middle;
 }
 
 std::string note_of(const SessionReader& reader) {
@@ -64,17 +56,67 @@ std::string note_of(const SessionReader& reader) {
     return note;
 }
 
-class SessionSource final : public Source, public Timeline {
+StreamInfo describe_stream(const Stream& stream, const SessionReader& reader) {
+    StreamInfo info;
+    info.id = stream.id;
+    for (const SessionTrack& track : reader.index().tracks) {
+        if (track.role != TrackRole::picture || track.format.id != stream.id) continue;
+        info.width = track.format.image.width;
+        info.height = track.format.image.height;
+        info.nominal_hz = track.nominal_hz;
+        info.format = describe(track.format);
+        break;
+    }
+    if (info.format.empty()) info.format = "as each frame says";
+    if (info.nominal_hz <= 0 && stream.times.size() > 1) {
+        info.nominal_hz = 1e9 / static_cast<double>(median_distance(stream.times));
+    }
+    return info;
+}
+
+SourceInfo info_of(const SessionReader& reader, const std::vector<Stream>& streams,
+                   const std::string& uri) {
+    SourceInfo info = reader.index().source;
+    info.uri = uri;
+    if (info.name.empty()) info.name = std::filesystem::path(uri).filename().string();
+    info.note = note_of(reader);
+    for (const Stream& stream : streams) {
+        info.streams.push_back(describe_stream(stream, reader));
+    }
+    return info;
+}
+
+bool holds_session(const std::filesystem::path& path) {
+    const auto bytes = open_byte_source(path);
+    return bytes && looks_like_session(**bytes);
+}
+
+Result<std::unique_ptr<Source>> open_session(const std::string& uri) {
+    KINO_ASSIGN(auto reader, SessionReader::open(uri));
+    return make_session_source(std::move(reader), uri);
+}
+
+/// Names of the sessions in a folder, sorted; none where there is no folder.
+std::vector<std::string> sessions_in(const std::filesystem::path& folder) {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end;
+         at.increment(error)) {
+        if (at->path().extension() != ".mkv" || !holds_session(at->path())) continue;
+        names.push_back(at->path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// The first of its streams leads.
+class SessionSource final : public RecordedTimeline {
   public:
     SessionSource(std::unique_ptr<SessionReader> reader, std::vector<Stream> streams,
-                  std::size_t lead, const std::string& uri)
-        : reader_(std::move(reader)), streams_(std::move(streams)), lead_(lead) {
-        info_ = reader_->index().source;
-        info_.uri = uri;
-        if (info_.name.empty()) info_.name = std::filesystem::path(uri).filename().string();
-        info_.note = note_of(*reader_);
-        for (const Stream& stream : streams_) info_.streams.push_back(describe_stream(stream));
-        last_frame_duration_ = median_distance(lead_stream().times);
+                  const std::string& uri)
+        : RecordedTimeline(info_of(*reader, streams, uri), streams.front().times),
+          reader_(std::move(reader)),
+          streams_(std::move(streams)) {
         for (const SessionEvent& event : reader_->events()) {
             if (event.kind == "lost")
                 recorded_.push_back({EventKind::lost, event.time, event.text});
@@ -92,98 +134,21 @@ class SessionSource final : public Source, public Timeline {
             [](const SessionPose& a, const SessionPose& b) { return a.time < b.time; });
     }
 
-    const SourceInfo& info() const override { return info_; }
     Result<RigParameters> calibration() const override { return reader_->index().rig; }
-    Timeline* timeline() override { return this; }
-
-    Result<void> subscribe(StreamId id) override {
-        for (Stream& stream : streams_) {
-            if (stream.id == id) {
-                stream.subscribed = true;
-                return {};
-            }
-        }
-        return fail(fmt::format("this recording has no {} stream of device {}",
-                                stream_name(id.kind), id.device),
-                    info_.uri);
-    }
-
-    void unsubscribe(StreamId id) override {
-        for (Stream& stream : streams_) {
-            if (stream.id == id) stream.subscribed = false;
-        }
-    }
-
-    Result<std::optional<FrameSet>> next(TimeNs) override {
-        if (!std::exchange(started_, true)) {
-            events_.push_back({EventKind::started, lead_stream().times.front(), info_.name});
-        }
-        if (position_ >= frame_count()) {
-            if (!std::exchange(ended_, true)) {
-                events_.push_back({EventKind::ended,
-                                   lead_stream().times.back() + last_frame_duration_, info_.name});
-            }
-            return std::nullopt;
-        }
-        // Moved first: an unreadable frame is an error once, then the next one comes.
-        return read_set(static_cast<std::size_t>(position_++));
-    }
-
-    std::vector<Event> take_events() override { return std::exchange(events_, {}); }
-
-    std::int64_t frame_count() const override {
-        return static_cast<std::int64_t>(lead_stream().times.size());
-    }
-    TimeNs time_of(std::int64_t index) const override {
-        KINO_CHECK(index >= 0 && index < frame_count());
-        return lead_stream().times[static_cast<std::size_t>(index)] - lead_stream().times.front();
-    }
-    TimeNs last_frame_duration() const override { return last_frame_duration_; }
-    std::int64_t position() const override { return position_; }
-
-    Result<void> seek(std::int64_t index) override {
-        if (index < 0 || index >= frame_count()) {
-            return fail(fmt::format("frame {} is outside 0 to {}", index, frame_count() - 1),
-                        info_.uri);
-        }
-        position_ = index;
-        ended_ = false;
-        return {};
-    }
 
   private:
-    const Stream& lead_stream() const { return streams_[lead_]; }
-
-    StreamInfo describe_stream(const Stream& stream) const {
-        StreamInfo info;
-        info.id = stream.id;
-        for (const SessionTrack& track : reader_->index().tracks) {
-            if (track.role != TrackRole::picture || track.format.id != stream.id) continue;
-            info.width = track.format.image.width;
-            info.height = track.format.image.height;
-            info.nominal_hz = track.nominal_hz;
-            info.format = describe(track.format);
-            break;
-        }
-        if (info.format.empty()) info.format = "as each frame says";
-        if (info.nominal_hz <= 0 && stream.times.size() > 1) {
-            info.nominal_hz = 1e9 / static_cast<double>(median_distance(stream.times));
-        }
-        return info;
-    }
-
-    Result<std::optional<FrameSet>> read_set(std::size_t index) {
+    Result<std::optional<FrameSet>> read_set(std::size_t index) override {
         FrameSet set;
         set.index = static_cast<std::int64_t>(index);
-        const TimeNs time = lead_stream().times[index];
+        const TimeNs time = times()[index];
         set.time = time;
         tell_events(index);
         place(set);
         for (std::size_t i = 0; i < streams_.size(); ++i) {
             const Stream& stream = streams_[i];
-            if (!stream.subscribed) continue;
+            if (!wants(i)) continue;
             std::optional<Pairing> pairing = Pairing{index, true};
-            if (i != lead_) pairing = pair_in_time(stream.times, time, stream.reach);
+            if (i != 0) pairing = pair_in_time(stream.times, time, stream.reach);
             if (!pairing) continue;
             const bool wanted = pairing->paired || stream.id.kind == StreamKind::color;
             if (!wanted) continue;
@@ -219,24 +184,16 @@ class SessionSource final : public Source, public Timeline {
 
     /// What happened between the frame before and this one.
     void tell_events(std::size_t index) {
-        const std::vector<TimeNs>& times = lead_stream().times;
         for (const Event& event : recorded_) {
-            const bool after = index == 0 || event.time > times[index - 1];
-            if (after && event.time <= times[index]) events_.push_back(event);
+            const bool after = index == 0 || event.time > times()[index - 1];
+            if (after && event.time <= times()[index]) tell(event);
         }
     }
 
     std::unique_ptr<SessionReader> reader_;
     std::vector<Stream> streams_;
-    std::size_t lead_;
-    SourceInfo info_;
     std::vector<Event> recorded_;
     std::vector<SessionPose> poses_;
-    TimeNs last_frame_duration_ = 0;
-    std::vector<Event> events_;
-    std::int64_t position_ = 0;
-    bool started_ = false;
-    bool ended_ = false;
 };
 
 }  // namespace
@@ -266,20 +223,33 @@ Result<std::unique_ptr<Source>> make_session_source(std::unique_ptr<SessionReade
     const int device = streams.front().id.device;
     std::erase_if(streams, [&](const Stream& stream) { return stream.id.device != device; });
     for (Stream& stream : streams) finish(stream);
-    return std::make_unique<SessionSource>(std::move(reader), std::move(streams), 0, uri);
+    return std::make_unique<SessionSource>(std::move(reader), std::move(streams), uri);
 }
 
 SourceOpener session_opener() {
     SourceOpener opener;
     opener.name = "Kinoscope session";
     opener.uri_pattern = "FILE.mkv";
+    opener.probe = [](const std::string& uri) { return holds_session(uri); };
+    opener.open = open_session;
+    return opener;
+}
+
+SourceOpener session_folder_opener() {
+    SourceOpener opener;
+    opener.name = "folder of a Kinoscope session";
+    opener.uri_pattern = "FOLDER with a session";
     opener.probe = [](const std::string& uri) {
-        const auto bytes = open_byte_source(uri);
-        return bytes && looks_like_session(**bytes);
+        return !tum_folder_opener().probe(uri) && !described_folder_opener().probe(uri) &&
+               !sessions_in(uri).empty();
     };
     opener.open = [](const std::string& uri) -> Result<std::unique_ptr<Source>> {
-        KINO_ASSIGN(auto reader, SessionReader::open(uri));
-        return make_session_source(std::move(reader), uri);
+        const std::vector<std::string> names = sessions_in(uri);
+        if (names.size() == 1) {
+            return open_session((std::filesystem::path(uri) / names.front()).string());
+        }
+        return fail(fmt::format("holds {} sessions: {}", names.size(), fmt::join(names, ", ")), uri,
+                    "name one of them");
     };
     return opener;
 }

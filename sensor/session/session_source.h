@@ -17,4 +17,8 @@ namespace kino {
 /// Files that hold a session, whatever their name.
 [[nodiscard]] SourceOpener session_opener();
 
+/// Folders with a session in them that are no recording of another kind: the only `.mkv` file that
+/// holds a session. Where there are several, the error names them.
+[[nodiscard]] SourceOpener session_folder_opener();
+
 }  // namespace kino

@@ -174,5 +174,45 @@ TEST(SessionTimeline, GesturesComeAgainWithTheirFrame) {
     }
 }
 
+void put_session(const test::TempDir& dir, std::string_view name) {
+    const auto bytes = test::session_of(frames_between(0, 3));
+    dir.write(name, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+TEST(SessionFolder, OpensTheOnlySessionInIt) {
+    const test::TempDir dir;
+    put_session(dir, "visit.mkv");
+    dir.write("notes.txt", "a word");
+    dir.write("film.mkv", "no session");
+    const SourceOpener opener = session_folder_opener();
+    ASSERT_TRUE(opener.probe(dir.path().string()));
+    const auto source = opener.open(dir.path().string());
+    ASSERT_TRUE(source.has_value()) << source.error().to_string();
+    EXPECT_EQ((*source)->timeline()->frame_count(), 3);
+    EXPECT_EQ((*source)->info().uri, (dir / "visit.mkv").string());
+}
+
+TEST(SessionFolder, OfSeveralSaysWhichThereAre) {
+    const test::TempDir dir;
+    put_session(dir, "second.mkv");
+    put_session(dir, "first.mkv");
+    ASSERT_TRUE(session_folder_opener().probe(dir.path().string()));
+    const auto source = session_folder_opener().open(dir.path().string());
+    ASSERT_FALSE(source.has_value());
+    EXPECT_NE(source.error().to_string().find("2 sessions: first.mkv, second.mkv"),
+              std::string::npos)
+        << source.error().to_string();
+}
+
+TEST(SessionFolder, LeavesOtherFoldersToOthers) {
+    const test::TempDir dir;
+    EXPECT_FALSE(session_folder_opener().probe(dir.path().string())) << "empty";
+    EXPECT_FALSE(session_folder_opener().probe((dir / "none").string()));
+    put_session(dir, "visit.mkv");
+    EXPECT_FALSE(session_folder_opener().probe((dir / "visit.mkv").string())) << "a file";
+    dir.write("kinoscope.json", "{}");
+    EXPECT_FALSE(session_folder_opener().probe(dir.path().string())) << "a described folder";
+}
+
 }  // namespace
 }  // namespace kino
