@@ -237,6 +237,63 @@ TEST(ZoomChoice, PredictionMeetsWhatReactionMisses) {
     EXPECT_LE(predictive_worst, 0.15);
 }
 
+TEST(ZoomChoice, DoesNotZoomWhereItDoesNotPay) {
+    std::mt19937 random(8);
+    std::normal_distribution<double> noise(1, 0.03);
+    struct Case {
+        Plant plant;
+        int wanted;
+    };
+    for (const Case& c : {Case{{.rest = 40, .pixels = 2, .copy = 1}, 1},      // polygons
+                          Case{{.rest = 2, .pixels = 33, .copy = 60}, 1},     // the copy
+                          Case{{.rest = 31, .pixels = 2.5, .copy = 1}, 1},    // hardly late
+                          Case{{.rest = 40, .pixels = 30, .copy = 1}, 2},     // some of both
+                          Case{{.rest = 10, .pixels = 60, .copy = 1}, 2}}) {  // in time
+        ReactiveZoom zoom({.target_ms = 33, .most = 8, .least_saving = 0.1});
+        int changes = 0;
+        for (int i = 0; i < 200; ++i) {
+            const int z = zoom.choice().z;
+            const double factor = noise(random);
+            zoom.frame_took(c.plant.frame_ms(z) * factor, c.plant.pixel_ms(z) * factor,
+                            c.plant.copy);
+            changes += zoom.choice().z != z ? 1 : 0;
+        }
+        EXPECT_EQ(zoom.choice().z, c.wanted) << c.plant.rest << " " << c.plant.copy;
+        EXPECT_LE(changes, 1) << c.plant.rest << " " << c.plant.copy;
+    }
+}
+
+// A load that was pixels becomes polygons: the zoom pays no longer and is let go.
+TEST(ZoomChoice, LetsGoOfAZoomThatPaysNoLonger) {
+    ReactiveZoom zoom({.target_ms = 33, .least_saving = 0.1});
+    const Plant pixels{.rest = 3, .pixels = 100}, polygons{.rest = 60, .pixels = 5};
+    zoom.frame_took(pixels.frame_ms(1), pixels.pixel_ms(1), 1);
+    EXPECT_EQ(zoom.choice().z, 2);
+    for (int i = 0; i < 8; ++i) {
+        EXPECT_EQ(zoom.choice().z, 2);
+        zoom.frame_took(polygons.frame_ms(2), polygons.pixel_ms(2), 1);
+    }
+    EXPECT_EQ(zoom.choice().z, 1);
+    EXPECT_TRUE(zoom.choice().unreachable);
+}
+
+// Passes that were measured on their own tell costs apart that whole frames only know together.
+TEST(ZoomChoice, PartsTellCostsApart) {
+    const Machine machine;
+    const ZoomWork work{.vertices = 9000, .triangles = 9000, .draws = 40, .pixels = {4e5, 5e4}};
+    PredictiveZoom zoom({}, {.pixel = {1e-4, 1e-4}});
+    for (int i = 0; i < 60; ++i) {
+        ZoomWork part{.pixels = {work.pixels[0], 0}};
+        zoom.part_took(part, 1, machine.pixel[0] * work.pixels[0]);
+        part.pixels = {0, work.pixels[1]};
+        zoom.part_took(part, 2, machine.pixel[1] * work.pixels[1] / 4);
+        zoom.part_took({.pixels = {0, 0}}, 1, 7);  // nothing was done
+    }
+    EXPECT_NEAR(zoom.model().costs_ms()[5], machine.pixel[0], 1e-7);
+    EXPECT_NEAR(zoom.model().costs_ms()[6], machine.pixel[1], 1e-6);
+    EXPECT_EQ(zoom.model().costs_ms()[0], ZoomWorkCosts{}.frame);
+}
+
 TEST(ZoomChoice, DoesNotZoomWherePixelsAreNotTheCost) {
     // Polygons: nothing helps, but what helps little is not taken below the target either.
     PredictiveZoom zoom({.target_ms = 33}, {.pixel = {1e-5}});

@@ -1,6 +1,7 @@
 #include "viz/quality/zoom/cost_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,6 +13,7 @@ namespace {
 
 /// Before anything is learnt, costs may be off by about themselves.
 constexpr double kStartVariance = 1;
+constexpr std::size_t kFrameFeature = 0, kCopyFeature = 4;
 
 std::vector<double> costs_in_order(const ZoomWorkCosts& costs) {
     std::vector<double> all{costs.frame, costs.vertex, costs.triangle, costs.draw, costs.copy};
@@ -21,7 +23,7 @@ std::vector<double> costs_in_order(const ZoomWorkCosts& costs) {
 
 }  // namespace
 
-CostModel::CostModel(std::vector<double> start_ms, const CostModelOptions& options)
+WorkCostModel::WorkCostModel(std::vector<double> start_ms, const WorkCostOptions& options)
     : options_(options),
       n_(start_ms.size()),
       scale_(std::move(start_ms)),
@@ -31,20 +33,20 @@ CostModel::CostModel(std::vector<double> start_ms, const CostModelOptions& optio
     for (std::size_t i = 0; i < n_; ++i) covariance_[i * n_ + i] = kStartVariance;
 }
 
-double CostModel::predict_ms(std::span<const double> work) const {
+double WorkCostModel::predict_ms(std::span<const double> work) const {
     KINO_CHECK_EQ(work.size(), n_);
     double sum = 0;
     for (std::size_t i = 0; i < n_; ++i) sum += cost_[i] * scale_[i] * work[i];
     return sum;
 }
 
-std::vector<double> CostModel::costs_ms() const {
+std::vector<double> WorkCostModel::costs_ms() const {
     std::vector<double> costs(n_);
     for (std::size_t i = 0; i < n_; ++i) costs[i] = cost_[i] * scale_[i];
     return costs;
 }
 
-void CostModel::learn(std::span<const double> work, double ms) {
+void WorkCostModel::learn(std::span<const double> work, double ms) {
     KINO_CHECK_EQ(work.size(), n_);
     bool usable = std::isfinite(ms) && ms >= 0;
     std::vector<double> x(n_);
@@ -72,7 +74,7 @@ void CostModel::learn(std::span<const double> work, double ms) {
     bound();
 }
 
-void CostModel::bound() {
+void WorkCostModel::bound() {
     double trace = 0;
     for (std::size_t i = 0; i < n_; ++i) trace += covariance_[i * n_ + i];
     const double most = options_.most_growth * kStartVariance * static_cast<double>(n_);
@@ -90,7 +92,7 @@ void CostModel::bound() {
 }
 
 PredictiveZoom::PredictiveZoom(const ZoomRules& rules, const ZoomWorkCosts& start,
-                               const CostModelOptions& options)
+                               const WorkCostOptions& options)
     : rules_(rules),
       release_(rules),
       materials_(start.pixel.size()),
@@ -110,11 +112,12 @@ double PredictiveZoom::predict_ms(const ZoomWork& work, int z) const {
 }
 
 ZoomChoice PredictiveZoom::choose(const ZoomWork& work) {
-    ZoomChoice choice{.z = rules_.most, .unreachable = true};
-    for (int z = 1; z <= rules_.most && choice.unreachable; ++z) {
-        if (predict_ms(work, z) <= rules_.target_ms) choice = {.z = z, .unreachable = false};
+    std::array<double, kMaxZoom> ms{};
+    for (int z = 1; z <= rules_.most; ++z) {
+        ms[static_cast<std::size_t>(z - 1)] = predict_ms(work, z);
     }
-    choice.z = release_.follow(choice.z, predict_ms(work, std::max(release_.z() - 1, 1)));
+    const ZoomChoice choice =
+        release_.choose(std::span(ms).first(static_cast<std::size_t>(rules_.most)));
     work_ = work;
     z_ = choice.z;
     return choice;
@@ -126,6 +129,13 @@ void PredictiveZoom::frame_took(double ms) {
 
 void PredictiveZoom::learn(const ZoomWork& work, int z, double ms) {
     if (work.pixels.size() == materials_) model_.learn(features(work, z), ms);
+}
+
+void PredictiveZoom::part_took(const ZoomWork& part, int z, double ms) {
+    std::vector<double> own = features(part, z);
+    own[kFrameFeature] = own[kCopyFeature] = 0;
+    // Nothing done teaches nothing, but would be forgetting.
+    if (std::any_of(own.begin(), own.end(), [](double x) { return x > 0; })) model_.learn(own, ms);
 }
 
 }  // namespace kino

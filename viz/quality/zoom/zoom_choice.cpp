@@ -1,10 +1,20 @@
 #include "viz/quality/zoom/zoom_choice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/check.h"
+#include "viz/quality/zoom/zoom_options.h"
+
 namespace kino {
+namespace {
+
+/// A zoom in use is kept until it saves less than this part of what it must save to be taken.
+constexpr double kStillSaves = 0.5;
+
+}  // namespace
 
 int ZoomRelease::follow(int wanted, double below_ms) {
     wanted = std::clamp(wanted, 1, rules_.most);
@@ -21,26 +31,57 @@ int ZoomRelease::follow(int wanted, double below_ms) {
     return z_;
 }
 
+ZoomChoice ZoomRelease::smallest(std::span<const double> ms) const {
+    // A hair above the target is the target.
+    const double target = rules_.target_ms * (1 + 1e-9);
+    const auto in_time = std::find_if(ms.begin(), ms.end(), [&](double t) { return t <= target; });
+    const double least = rules_.least_saving * ms[0];
+    if (in_time != ms.end()) {
+        const bool pays = ms[0] - *in_time >= least;
+        const bool wanted = pays || rules_.least_saving <= 0;
+        return {.z = wanted ? 1 + static_cast<int>(in_time - ms.begin()) : 1};
+    }
+    std::size_t step = 0;
+    while (step + 1 < ms.size() && (rules_.least_saving <= 0 || ms[step] - ms[step + 1] >= least)) {
+        ++step;
+    }
+    return {.z = 1 + static_cast<int>(step), .unreachable = true};
+}
+
+ZoomChoice ZoomRelease::choose(std::span<const double> ms) {
+    KINO_CHECK_EQ(ms.size(), static_cast<std::size_t>(rules_.most));
+    ZoomChoice choice = smallest(ms);
+    const auto z = static_cast<std::size_t>(z_);
+    double below_ms = ms[std::max<std::size_t>(z, 2) - 2];
+    if (z > 1 && choice.z < z_ && rules_.least_saving > 0) {
+        const bool reaches = ms[z - 1] <= rules_.target_ms && below_ms > rules_.target_ms;
+        const double saves = reaches ? ms[0] - ms[z - 1] : below_ms - ms[z - 1];
+        // What pays no longer is let go as what is no longer needed.
+        if (saves < kStillSaves * rules_.least_saving * ms[0]) below_ms = 0;
+    }
+    choice.z = follow(choice.z, below_ms);
+    return choice;
+}
+
 void ReactiveZoom::reset() {
     release_.reset();
     choice_ = {};
 }
 
-ZoomChoice ReactiveZoom::frame_took(double frame_ms, double pixel_ms) {
+ZoomChoice ReactiveZoom::frame_took(double frame_ms, double pixel_ms, double copy_ms) {
     if (!(frame_ms >= 0) || !(pixel_ms >= 0) || !std::isfinite(frame_ms)) return choice_;
     const int z = choice_.z;
     const double pixels = std::min(pixel_ms, frame_ms);
-    const double rest = frame_ms - pixels;
+    const double copy = copy_ms >= 0 && std::isfinite(copy_ms) ? copy_ms : 0;
+    const double rest = std::max(0.0, frame_ms - pixels - (z > 1 ? copy : 0));
     const double at_one = pixels * z * z;
-    const double room = rules_.target_ms - rest;
-    choice_.unreachable = !(room > 0) || at_one > room * rules_.most * rules_.most;
-    int wanted = rules_.most;
-    if (!choice_.unreachable) {
-        // A hair above a whole number is that number.
-        wanted = std::max(1, static_cast<int>(std::ceil(std::sqrt(at_one / room) - 1e-9)));
+    std::array<double, kMaxZoom> ms{};
+    for (int i = 1; i <= rules_.most; ++i) {
+        ms[static_cast<std::size_t>(i - 1)] = rest + at_one / (i * i) + (i > 1 ? copy : 0);
     }
-    const int below = std::max(z - 1, 1);
-    choice_.z = release_.follow(wanted, rest + at_one / (below * below));
+    choice_ = release_.choose(std::span(ms).first(static_cast<std::size_t>(rules_.most)));
+    // With nothing left for pixels, none would be in time.
+    choice_.unreachable = choice_.unreachable || !(rest < rules_.target_ms);
     return choice_;
 }
 

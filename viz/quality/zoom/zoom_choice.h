@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <span>
 
 namespace kino {
 
@@ -12,6 +13,10 @@ struct ZoomRules {
     int most = 4;  ///< z, at most kMaxZoom
     int release_frames = 8;
     double release_part = 0.85;  ///< of the target, that the picture at z - 1 may take
+    /// Of the frame at z = 1, that coarser pictures must save: the whole zoom where it brings the
+    /// frame within the target, else each step of it. Where polygons or the copy are the cost, none
+    /// does, and z stays 1. 0: any zoom is taken.
+    double least_saving = 0;
 };
 
 /// What a chosen zoom says of the target.
@@ -27,10 +32,14 @@ class ZoomRelease {
     /// `wanted`: the zoom this frame asks for. `below_ms`: what a frame at z() - 1 is expected to
     /// take. Returns z().
     int follow(int wanted, double below_ms);
+    /// follow() for frames that are expected to take `ms`, z = 1 first, `most` in all.
+    ZoomChoice choose(std::span<const double> ms);
     [[nodiscard]] int z() const { return z_; }
     void reset() { z_ = 1, calm_frames_ = 0; }
 
   private:
+    [[nodiscard]] ZoomChoice smallest(std::span<const double> ms) const;
+
     ZoomRules rules_;
     int z_ = 1;
     int calm_frames_ = 0;
@@ -41,9 +50,9 @@ class ZoomRelease {
 class ReactiveZoom {
   public:
     explicit ReactiveZoom(const ZoomRules& rules) : rules_(rules), release_(rules) {}
-    /// The last frame's time and the part of it that goes with pixels, at choice().z. Times that
-    /// are no numbers or below 0 change nothing.
-    ZoomChoice frame_took(double frame_ms, double pixel_ms);
+    /// The last frame's time and the part of it that goes with pixels, at choice().z. `copy_ms`:
+    /// what enlarging takes, or would. Times that are no numbers or below 0 change nothing.
+    ZoomChoice frame_took(double frame_ms, double pixel_ms, double copy_ms = 0);
     [[nodiscard]] ZoomChoice choice() const { return choice_; }
     void reset();
 
