@@ -28,6 +28,7 @@ class SceneChecker {
         if (glm::distance(file_.camera.eye_m, file_.camera.target_m) < 0.01) {
             return wrong("/camera", "eye_m and target_m must be apart");
         }
+        KINO_TRY(quality(file_.quality));
         const SceneCount count = largest_count(file_);
         if (count.lights > kMaxStageLights) {
             return wrong("", fmt::format("has {} lights, at most {} are allowed", count.lights,
@@ -119,6 +120,22 @@ class SceneChecker {
         if (role.prop->materials.empty() && role.prop->shape != SceneShape::gltf &&
             names_.empty()) {
             return wrong(at + "/prop/materials", "there is no material");
+        }
+        return {};
+    }
+
+    /// A frame's time has one owner, and four samples have no coarse light.
+    Result<void> quality(const SceneQuality& quality) {
+        const bool budget = quality.lod_by == SceneLodBy::budget;
+        if (budget && quality.zoom_by != SceneZoomBy::scene) {
+            return wrong("/quality/zoom", "must be a number where lod is auto: that chooses both");
+        }
+        const bool coarse = budget || quality.lod > 1;
+        if (coarse && quality.samples > 1) {
+            return wrong("/quality/samples", "must be 1 where light is coarse");
+        }
+        if (!coarse && quality.fix > 0) {
+            return wrong("/quality/fix", "must be 0 unless light is coarse");
         }
         return {};
     }

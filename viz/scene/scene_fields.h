@@ -11,6 +11,8 @@ namespace kino::scene_fields {
 /// Every key of a scene file, once: readers, writers and the schema visit the same lines. A
 /// visitor has, for a key and what it means,
 ///   number, integer, vector, span (least, most), color, flag, text (longest), choice (words),
+///   number_or, integer_or (least, most, or a word; `by` is the first of its values for numbers),
+///   one_of (whole numbers),
 ///   and for what holds more: object, optional, list (most), texts (most, longest), colors (most),
 ///   choices (words, most).
 
@@ -58,6 +60,12 @@ inline constexpr std::array<Word<SceneDeflect>, 4> kDeflects{
      {"depth_warp", SceneDeflect::depth_warp}}};
 inline constexpr std::array<Word<ColorMode>, 3> kColors{
     {{"captured", ColorMode::captured}, {"mixed", ColorMode::mixed}, {"relit", ColorMode::relit}}};
+
+inline constexpr std::array<Word<SceneLodBy>, 1> kLodBy{{{"auto", SceneLodBy::budget}}};
+inline constexpr std::array<Word<SceneZoomBy>, 3> kZoomBy{{{"reactive", SceneZoomBy::reactive},
+                                                           {"predictive", SceneZoomBy::predictive},
+                                                           {"head", SceneZoomBy::head}}};
+inline constexpr std::array<int, 2> kSamples{1, 4};
 
 inline std::array<Word<Joint>, kJointCount> joint_words() {
     std::array<Word<Joint>, kJointCount> words{};
@@ -229,6 +237,18 @@ void visit(V& v, SceneEffects& s) {
 }
 
 template <class V>
+void visit(V& v, SceneQuality& s) {
+    v.number_or("lod", s.lod, s.lod_by, kLodBy, 1, 8,
+                "light so many times coarser, or auto: light and picture as target_ms asks for");
+    v.integer_or("zoom", s.zoom, s.zoom_by, kZoomBy, 1, 8,
+                 "whole pictures so many times coarser, or who chooses that");
+    v.integer("most_zoom", s.most_zoom, 1, 8, "of who chooses");
+    v.number("target_ms", s.target_ms, 1, 1000, "time of a picture that who chooses is to hold");
+    v.one_of("samples", s.samples, kSamples, "a pixel of meshes; not with coarse light");
+    v.number("fix", s.fix, 0, 0.5, "share of pixels shaded anew where light is coarse");
+}
+
+template <class V>
 void visit(V& v, SceneFile& s) {
     v.required_integer("kinoscope_scene", s.version, 1, 1, "version of the format");
     v.text("name", s.name, kLongestName, "");
@@ -242,6 +262,7 @@ void visit(V& v, SceneFile& s) {
     v.object("live", s.live, "the person, as the sensor sees it");
     v.object("camera", s.camera, "where the view begins");
     v.object("effects", s.effects, "");
+    v.object("quality", s.quality, "how accurately it is drawn; a command line goes before it");
     v.list("materials", s.materials, kMaxMaterials - 1, "");
     v.list("meshes", s.meshes, 512, "what stands there");
     v.list("lights", s.lights, 1024, "that stay where they are");

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -65,15 +67,42 @@ class FieldReader {
     }
     void integer(const char* key, int& out, int least, int most, const char*) {
         with(key, [&](const json& value, const std::string& place) -> Result<void> {
-            const bool whole = value.is_number_integer() &&
-                               (!value.is_number_unsigned() ||
-                                value.get<std::uint64_t>() <= std::uint64_t{INT64_MAX});
-            if (!whole || value.get<std::int64_t>() < least || value.get<std::int64_t>() > most) {
-                return fail(fmt::format("must be a whole number from {} to {}", least, most),
-                            place);
+            if (read_integer(value, least, most, out)) return {};
+            return fail(fmt::format("must be a whole number from {} to {}", least, most), place);
+        });
+    }
+    template <class Words, class Value>
+    void number_or(const char* key, double& out, Value& by, const Words& words, double least,
+                   double most, const char*) {
+        with(key, [&](const json& value, const std::string& place) -> Result<void> {
+            if (read_number(value, place, least, most, out)) return {};
+            if (read_choice(value, place, words, by)) return {};
+            return fail(fmt::format("must be a number from {} to {}, or {}", least, most,
+                                    fmt::join(allowed(words), ", ")),
+                        place);
+        });
+    }
+    template <class Words, class Value>
+    void integer_or(const char* key, int& out, Value& by, const Words& words, int least, int most,
+                    const char*) {
+        with(key, [&](const json& value, const std::string& place) -> Result<void> {
+            if (read_integer(value, least, most, out)) return {};
+            if (read_choice(value, place, words, by)) return {};
+            return fail(fmt::format("must be a whole number from {} to {}, or {}", least, most,
+                                    fmt::join(allowed(words), ", ")),
+                        place);
+        });
+    }
+    template <class Numbers>
+    void one_of(const char* key, int& out, const Numbers& numbers, const char*) {
+        with(key, [&](const json& value, const std::string& place) -> Result<void> {
+            int number = 0;
+            if (read_integer(value, *std::begin(numbers), *std::rbegin(numbers), number) &&
+                std::find(std::begin(numbers), std::end(numbers), number) != std::end(numbers)) {
+                out = number;
+                return {};
             }
-            out = static_cast<int>(value.get<std::int64_t>());
-            return {};
+            return fail(fmt::format("must be one of {}", fmt::join(numbers, ", ")), place);
         });
     }
     void required_integer(const char* key, int& out, int least, int most, const char* about) {
@@ -177,6 +206,22 @@ class FieldReader {
         });
     }
 
+    static bool read_integer(const json& value, int least, int most, int& out) {
+        const bool whole =
+            value.is_number_integer() &&
+            (!value.is_number_unsigned() || value.get<std::uint64_t>() <= std::uint64_t{INT64_MAX});
+        if (!whole || value.get<std::int64_t>() < least || value.get<std::int64_t>() > most) {
+            return false;
+        }
+        out = static_cast<int>(value.get<std::int64_t>());
+        return true;
+    }
+    template <class Words>
+    static std::vector<std::string_view> allowed(const Words& words) {
+        std::vector<std::string_view> names;
+        for (const auto& [word, meant] : words) names.push_back(word);
+        return names;
+    }
     static Result<void> read_number(const json& value, const std::string& place, double least,
                                     double most, double& out) {
         // Written so that what is not a number fails, too.
@@ -215,15 +260,13 @@ class FieldReader {
     template <class Words, class Value>
     static Result<void> read_choice(const json& value, const std::string& place, const Words& words,
                                     Value& out) {
-        std::vector<std::string_view> allowed;
         for (const auto& [word, meant] : words) {
             if (value.is_string() && value.get_ref<const std::string&>() == word) {
                 out = meant;
                 return {};
             }
-            allowed.push_back(word);
         }
-        return fail(fmt::format("must be one of {}", fmt::join(allowed, ", ")), place);
+        return fail(fmt::format("must be one of {}", fmt::join(allowed(words), ", ")), place);
     }
 
     const json& value_;

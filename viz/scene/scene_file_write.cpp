@@ -28,6 +28,20 @@ class FieldWriter {
     void number(const char* key, double value, double, double, const char*) { out_[key] = value; }
     void integer(const char* key, int value, int, int, const char*) { out_[key] = value; }
     void required_integer(const char* key, int value, int, int, const char*) { out_[key] = value; }
+    template <class Words, class Value>
+    void number_or(const char* key, double value, Value by, const Words& words, double, double,
+                   const char*) {
+        write_or(key, value, word_of(by, words));
+    }
+    template <class Words, class Value>
+    void integer_or(const char* key, int value, Value by, const Words& words, int, int,
+                    const char*) {
+        write_or(key, value, word_of(by, words));
+    }
+    template <class Numbers>
+    void one_of(const char* key, int value, const Numbers&, const char*) {
+        out_[key] = value;
+    }
     void vector(const char* key, const glm::dvec3& v, double, double, const char*) {
         out_[key] = {v.x, v.y, v.z};
     }
@@ -72,6 +86,14 @@ class FieldWriter {
     }
 
   private:
+    template <class Number>
+    void write_or(const char* key, Number number, const std::string& word) {
+        if (word.empty()) {
+            out_[key] = number;
+        } else {
+            out_[key] = word;
+        }
+    }
     template <class Words, class Value>
     static std::string word_of(Value value, const Words& words) {
         for (const auto& [word, meant] : words) {
@@ -106,6 +128,22 @@ class SchemaWriter {
     void required_integer(const char* key, int value, int least, int most, const char* about) {
         integer(key, value, least, most, about);
         required_.push_back(key);
+    }
+    template <class Words, class Value>
+    void number_or(const char* key, double value, Value, const Words& words, double least,
+                   double most, const char* about) {
+        add_or(key, about, {{"type", "number"}, {"minimum", least}, {"maximum", most}}, words,
+               value);
+    }
+    template <class Words, class Value>
+    void integer_or(const char* key, int value, Value, const Words& words, int least, int most,
+                    const char* about) {
+        add_or(key, about, {{"type", "integer"}, {"minimum", least}, {"maximum", most}}, words,
+               value);
+    }
+    template <class Numbers>
+    void one_of(const char* key, int value, const Numbers& numbers, const char* about) {
+        add(key, about, {{"enum", numbers}}, value);
     }
     void vector(const char* key, const glm::dvec3& v, double least, double most,
                 const char* about) {
@@ -172,6 +210,11 @@ class SchemaWriter {
         ordered_json allowed = ordered_json::array();
         for (const auto& [word, meant] : words) allowed.push_back(word);
         return {{"enum", allowed}};
+    }
+    template <class Words>
+    void add_or(const char* key, const char* about, const ordered_json& number, const Words& words,
+                const ordered_json& of_default) {
+        add(key, about, {{"anyOf", {number, word_schema(words)}}}, of_default);
     }
     void add_list(const char* key, const char* about, ordered_json items, std::size_t most) {
         add(key, about, {{"type", "array"}, {"maxItems", most}, {"items", std::move(items)}});

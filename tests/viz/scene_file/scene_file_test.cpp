@@ -46,6 +46,8 @@ SceneFile everything() {
                                      .eye_m = {0.1, 0.1, 0.7},
                                      .deflect = SceneDeflect::depth_warp,
                                      .most_zoom = 3};
+    file.quality = {
+        .lod = 2.5, .zoom_by = SceneZoomBy::head, .most_zoom = 3, .target_ms = 50.5, .fix = 0.05};
     file.materials = {{.name = "a", .color = {1, 2, 3}, .glow = 1.5, .opacity = 0.25},
                       {.name = "b"}};
     for (const LobeKind kind :
@@ -87,7 +89,12 @@ SceneFile everything() {
 }
 
 TEST(SceneFileTest, WhatIsWrittenReadsBackToTheSame) {
-    for (const SceneFile& file : {SceneFile{}, everything()}) {
+    std::vector<SceneFile> files = {SceneFile{}, everything()};
+    for (const SceneZoomBy by : {SceneZoomBy::reactive, SceneZoomBy::predictive}) {
+        files.emplace_back().quality = {.zoom_by = by, .samples = 4};
+    }
+    files.emplace_back().quality = {.lod_by = SceneLodBy::budget, .zoom = 3};
+    for (const SceneFile& file : files) {
         const std::string text = scene_file_to_json(file);
         const auto back = scene_file_from_json(text, "x");
         ASSERT_TRUE(back.has_value()) << back.error().to_string();
@@ -169,6 +176,27 @@ TEST(SceneFileTest, MistakesNameTheirJsonPointerAndWhatIsAllowed) {
         {R"("roles": [{"joints": ["head", "head"], "light": {}}])", "#/roles/0/joints", "differ"},
         {R"("roles": [{"light": {"kind": "directional"}}])", "#/roles/0/light/kind", "has a place"},
         {R"("roles": [{"trail": {"lights": 257}}])", "#/roles/0/trail/lights", "from 1 to 256"},
+        {R"("quality": {"lod": "fast"})", "#/quality/lod", "a number from 1 to 8, or auto"},
+        {R"("quality": {"lod": 0.99})", "#/quality/lod", "a number from 1 to 8, or auto"},
+        {R"("quality": {"lod": null})", "#/quality/lod", "a number from 1 to 8, or auto"},
+        {R"("quality": {"lod": ["auto"]})", "#/quality/lod", "a number from 1 to 8, or auto"},
+        {R"("quality": {"zoom": 9})", "#/quality/zoom",
+         "from 1 to 8, or reactive, predictive, head"},
+        {R"("quality": {"zoom": 1.5})", "#/quality/zoom", "whole number from 1 to 8"},
+        {R"("quality": {"zoom": 18446744073709551615})", "#/quality/zoom", "whole number"},
+        {R"("quality": {"zoom": "Reactive"})", "#/quality/zoom", "reactive"},
+        {R"("quality": {"zoom": ""})", "#/quality/zoom", "reactive"},
+        {R"("quality": {"most_zoom": 0})", "#/quality/most_zoom", "from 1 to 8"},
+        {R"("quality": {"samples": 2})", "#/quality/samples", "one of 1, 4"},
+        {R"("quality": {"samples": "4"})", "#/quality/samples", "one of 1, 4"},
+        {R"("quality": {"samples": 4.5})", "#/quality/samples", "one of 1, 4"},
+        {R"("quality": {"target_ms": 0})", "#/quality/target_ms", "from 1 to 1000"},
+        {R"("quality": {"lod": 2, "fix": 0.51})", "#/quality/fix", "from 0 to 0.5"},
+        {R"("quality": {"fix": 0.1})", "#/quality/fix", "unless light is coarse"},
+        {R"("quality": {"lod": 2, "samples": 4})", "#/quality/samples", "light is coarse"},
+        {R"("quality": {"lod": "auto", "samples": 4})", "#/quality/samples", "light is coarse"},
+        {R"("quality": {"lod": "auto", "zoom": "head"})", "#/quality/zoom", "chooses both"},
+        {R"("quality": {"tier": 2})", "#/quality/tier", "known: lod, zoom"},
         {R"("name": "a", "name": "b")", "", "twice"},
     };
     for (const Mistake& mistake : mistakes) {
@@ -176,7 +204,7 @@ TEST(SceneFileTest, MistakesNameTheirJsonPointerAndWhatIsAllowed) {
         const auto read = scene_file_from_json(text, "x");
         ASSERT_FALSE(read.has_value()) << text;
         EXPECT_EQ(read.error().where, std::string("x") + mistake.where) << text;
-        EXPECT_THAT(read.error().what, HasSubstr(mistake.what)) << text;
+        EXPECT_THAT(read.error().what + "; " + read.error().hint, HasSubstr(mistake.what)) << text;
     }
     EXPECT_EQ(scene_file_from_json("{}", "x").error().where, "x#");
     EXPECT_EQ(scene_file_from_json(R"({"kinoscope_scene": 2})", "x").error().where,
@@ -220,6 +248,12 @@ std::string misfit(const json& schema, const json& value, const std::string& at 
     if (schema.contains("enum")) {
         for (const json& word : schema["enum"]) {
             if (word == value) return {};
+        }
+        return at;
+    }
+    if (schema.contains("anyOf")) {
+        for (const json& way : schema["anyOf"]) {
+            if (misfit(way, value, at).empty()) return {};
         }
         return at;
     }
