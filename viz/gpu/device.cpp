@@ -324,6 +324,7 @@ Result<VkDeviceMemory> Device::allocate(const VkMemoryRequirements& needs, Memor
             const VkResult result = vkAllocateMemory(device_, &info, nullptr, &memory);
             if (result == VK_ERROR_OUT_OF_DEVICE_MEMORY) continue;  // the next heap may have room
             KINO_VK_TRY(result, fmt::format("allocating {} bytes for {}", needs.size, name));
+            ++allocations_;
             memory_.current += static_cast<std::int64_t>(needs.size);
             memory_.peak = std::max(memory_.peak, memory_.current);
             host_visible = (has & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) != 0;

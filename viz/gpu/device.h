@@ -76,6 +76,8 @@ class Device {
 
     /// Live bytes of buffers and images made from this device.
     [[nodiscard]] MemoryBytes memory() const { return memory_; }
+    /// How often memory was allocated since creation.
+    [[nodiscard]] std::int64_t allocations() const { return allocations_; }
 
     /// Used by resources; a failed allocation is an error, not the end.
     [[nodiscard]] Result<VkDeviceMemory> allocate(const VkMemoryRequirements& needs, MemoryUse use,
@@ -112,6 +114,7 @@ class Device {
     VkFence fence_ = VK_NULL_HANDLE;
     VkPhysicalDeviceMemoryProperties memory_types_{};
     MemoryBytes memory_;
+    std::int64_t allocations_ = 0;
     std::atomic<int> validation_messages_ = 0;
     bool validating_ = false;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "base/check.h"
@@ -11,7 +12,23 @@
 namespace kino::graph {
 namespace {
 constexpr std::uint64_t kUploadBytes = 1 << 20;
+
+/// No number, or what else nobody wants to read.
+VkClearColorValue poison_of(VkFormat format) {
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    switch (format) {
+        case VK_FORMAT_R32_SFLOAT:
+        case VK_FORMAT_R16G16B16A16_SFLOAT:
+        case VK_FORMAT_R32G32B32A32_SFLOAT:
+            return {.float32 = {kNaN, kNaN, kNaN, kNaN}};
+        case VK_FORMAT_R32_UINT:
+        case VK_FORMAT_R32G32_UINT:
+            return {.uint32 = {UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX}};
+        default:
+            return {.float32 = {1, 1, 1, 1}};
+    }
 }
+}  // namespace
 
 bool PassContext::bind(const gpu::PipelineDesc& desc, std::span<const gpu::Bound> resources) {
     if (executor_.error_) return false;
@@ -86,16 +103,17 @@ Result<const gpu::Texture*> Executor::pooled_texture(const std::string& name,
                                                      const TextureDesc& desc) {
     for (auto& pooled : textures_) {
         const gpu::Texture& texture = pooled->texture;
-        if (!pooled->taken && texture.extent().width == desc.width &&
-            texture.extent().height == desc.height && texture.format() == desc.format &&
+        if (!pooled->taken && texture.extent().width == desc.room_width &&
+            texture.extent().height == desc.room_height && texture.format() == desc.format &&
             texture.samples() == desc.samples && texture.storage() == desc.storage) {
             pooled->taken = true;
             return &pooled->texture;
         }
     }
     auto pooled = std::make_unique<PooledTexture>();
-    KINO_ASSIGN(pooled->texture, gpu::Texture::create(device_, name, {desc.width, desc.height},
-                                                      desc.format, desc.samples, desc.storage));
+    KINO_ASSIGN(pooled->texture,
+                gpu::Texture::create(device_, name, {desc.room_width, desc.room_height},
+                                     desc.format, desc.samples, desc.storage));
     pooled->taken = true;
     textures_.push_back(std::move(pooled));
     return &textures_.back()->texture;
@@ -125,6 +143,24 @@ Result<void> Executor::place(const FrameGraph& graph, const CompiledGraph& compi
             texture_of_resource_[r] = slot_texture[slot];
         }
     }
+    return {};
+}
+
+Result<void> Executor::poison() {
+    KINO_TRY(device_.submit_and_wait([&](VkCommandBuffer buffer) {
+        gpu::Commands commands(device_, buffer);
+        for (const auto& pooled : buffers_) commands.fill(pooled->buffer.handle(), UINT32_MAX);
+        for (const auto& pooled : textures_) {
+            const gpu::Texture& texture = pooled->texture;
+            if (gpu::is_depth_format(texture.format())) continue;
+            commands.to_general(texture.image());
+            const VkImageSubresourceRange all{
+                .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1};
+            const VkClearColorValue value = poison_of(texture.format());
+            vkCmdClearColorImage(buffer, texture.image(), VK_IMAGE_LAYOUT_GENERAL, &value, 1, &all);
+        }
+        commands.full_barrier();
+    }));
     return {};
 }
 
@@ -235,6 +271,7 @@ Result<FrameReport> Executor::run(const FrameGraph& graph, Timing timing) {
     error_.reset();
     KINO_TRY(place(graph, compiled));
     KINO_TRY(place_history(graph));
+    if (poisons_) KINO_TRY(poison());
 
     const auto label = [&](const CompiledPass& pass) -> const std::string& {
         const Pass& declared = graph.passes()[pass.pass];

@@ -90,6 +90,10 @@ class Executor {
     /// Frees pooled memory that the last `frames` frames did not use.
     void set_pool_age(int frames) { pool_age_ = frames; }
 
+    /// For tests: before every frame all transient memory but depth targets is filled with what is
+    /// no number, so that a pass that reads what no pass wrote shows.
+    void set_poison(bool poisons) { poisons_ = poisons; }
+
   private:
     friend class PassContext;
     struct PooledBuffer {
@@ -105,6 +109,7 @@ class Executor {
 
     Result<void> place(const FrameGraph& graph, const CompiledGraph& compiled);
     Result<void> place_history(const FrameGraph& graph);
+    Result<void> poison();
     Result<const gpu::Buffer*> pooled_buffer(const std::string& name, std::uint64_t bytes);
     Result<const gpu::Texture*> pooled_texture(const std::string& name, const TextureDesc& desc);
     /// Passes [first, last) of the compiled graph, waited for.
@@ -127,6 +132,7 @@ class Executor {
     std::vector<GroupTime> group_times_;
     std::size_t next_timed_group_ = 0;
     int pool_age_ = 30;
+    bool poisons_ = false;
     std::optional<Error> error_;
 };
 

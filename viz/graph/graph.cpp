@@ -64,7 +64,25 @@ BufferId FrameGraph::create_buffer(std::string name, BufferDesc desc) {
 
 TextureId FrameGraph::create_texture(std::string name, TextureDesc desc) {
     KINO_CHECK(desc.width > 0 && desc.height > 0);
+    const VkExtent2D memory = room({desc.width, desc.height});
+    desc.room_width = memory.width;
+    desc.room_height = memory.height;
     return {add({.name = std::move(name), .kind = ResourceKind::texture, .texture = desc}), 0};
+}
+
+void FrameGraph::reserve(VkExtent2D size, VkExtent2D room) {
+    KINO_CHECK(room.width >= size.width && room.height >= size.height);
+    // The newest counts.
+    reservations_.insert(reservations_.begin(), {size, room});
+}
+
+VkExtent2D FrameGraph::room(VkExtent2D size) const {
+    for (const Reservation& reserved : reservations_) {
+        if (reserved.size.width == size.width && reserved.size.height == size.height) {
+            return reserved.room;
+        }
+    }
+    return size;
 }
 
 BufferId FrameGraph::import_buffer(std::string name, const gpu::Buffer& buffer) {
@@ -203,7 +221,7 @@ bool same_memory(const Resource& a, const Resource& b) {
 
 std::uint64_t bytes_of(const Resource& r) {
     if (r.kind == ResourceKind::buffer) return r.buffer.bytes;
-    return std::uint64_t{r.texture.width} * r.texture.height *
+    return std::uint64_t{r.texture.room_width} * r.texture.room_height *
            gpu::bytes_per_pixel(r.texture.format) * r.texture.samples;
 }
 

@@ -23,7 +23,9 @@ struct TextureDesc {
     std::uint32_t height = 0;
     VkFormat format = VK_FORMAT_UNDEFINED;
     std::uint32_t samples = 1;
-    bool storage = false;  ///< compute shaders write single texels (gpu::Binding::image)
+    bool storage = false;          ///< compute shaders write single texels (gpu::Binding::image)
+    std::uint32_t room_width = 0;  ///< what memory is made for (FrameGraph::reserve); 0: the size
+    std::uint32_t room_height = 0;
     friend bool operator==(const TextureDesc&, const TextureDesc&) = default;
 };
 
@@ -120,6 +122,13 @@ class FrameGraph {
     /// Two buffers under one key that change places every frame (viz/graph/history.h).
     HistoryPair history(const std::string& owner, int view, BufferDesc desc);
 
+    /// Textures created from here on with exactly `size` get memory for `room`, of which they are
+    /// the upper left part, so that a size that changes every frame allocates nothing. Whoever
+    /// makes buffers for the pixels of a view does so for room(). Neither side below `size`.
+    void reserve(VkExtent2D size, VkExtent2D room);
+    /// What was reserved for pictures of this size; `size` itself if nothing.
+    [[nodiscard]] VkExtent2D room(VkExtent2D size) const;
+
     /// Runs `setup` at once and keeps `execute` for later.
     void add_pass(std::string name, std::string group, const Setup& setup, Execute execute);
 
@@ -146,6 +155,11 @@ class FrameGraph {
     std::vector<Resource> resources_;
     std::vector<Pass> passes_;
     std::vector<std::uint32_t> required_;
+    struct Reservation {
+        VkExtent2D size;
+        VkExtent2D room;
+    };
+    std::vector<Reservation> reservations_;
 };
 
 class PassBuilder {
