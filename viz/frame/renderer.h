@@ -122,6 +122,8 @@ class Renderer {
     /// The last frame's graph, for documentation and debugging.
     [[nodiscard]] const std::string& graphviz() const { return graphviz_; }
     void keep_graphviz(bool keep) { keep_graphviz_ = keep; }
+    /// For tests (graph::Executor::set_poison).
+    void poison_memory(bool poisons) { executor_.set_poison(poisons); }
 
   private:
     gpu::Device& device_;

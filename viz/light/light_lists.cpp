@@ -48,6 +48,8 @@ struct Culling {
     shared::CullParams params;
     std::uint32_t macro_tiles = 4;
     bool spots = false;
+    std::uint32_t room_tiles = 0;  ///< what memory is made for, not less than there are
+    std::uint32_t room_macros = 0;
 
     [[nodiscard]] std::uint32_t cells() const {
         return options.for_blended ? 0u : static_cast<std::uint32_t>(options.cells);
@@ -57,7 +59,7 @@ struct Culling {
 
 BufferId add_bounds(FrameGraph& graph, const Culling& culling, graph::TextureId view_z) {
     BufferId bounds =
-        graph.create_buffer("tile bounds", {culling.tiles() * sizeof(shared::TileBounds)});
+        graph.create_buffer("tile bounds", {culling.room_tiles * sizeof(shared::TileBounds)});
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
         desc.name = "light/tile bounds";
@@ -83,7 +85,8 @@ BufferId add_bounds(FrameGraph& graph, const Culling& culling, graph::TextureId 
 BufferId add_macro_cull(FrameGraph& graph, const Culling& culling, const CullBuffers& in) {
     const shared::CullParams& p = culling.params;
     BufferId words = graph.create_buffer(
-        "lights of macro tiles", {roomy_bytes<std::uint32_t>(std::size_t{p.macros} * p.words)});
+        "lights of macro tiles",
+        {roomy_bytes<std::uint32_t>(std::size_t{culling.room_macros} * p.words)});
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
         desc.name = "light/macro cull";
@@ -153,7 +156,8 @@ void add_tile_cull(FrameGraph& graph, const Culling& culling, const CullBuffers&
 /// Replaces headers that count by headers that say where.
 void add_sums(FrameGraph& graph, const Culling& culling, LightLists& lists) {
     const BufferId counted = lists.headers;
-    BufferId headers = graph.create_buffer("light headers", {std::uint64_t{culling.tiles()} * 8});
+    BufferId headers =
+        graph.create_buffer("light headers", {std::uint64_t{culling.room_tiles} * 8});
     const auto execute = [=, counters = lists.counters](PassContext& c) {
         gpu::PipelineDesc desc;
         desc.name = "light/list sums";
@@ -253,7 +257,14 @@ LightLists add_light_lists(FrameGraph& graph, const Scene& scene, const View& vi
                       .capacity = std::min(options.capacity, lists.local_count),
                       .pool = options.pool,
                       .near_m = static_cast<float>(k.near_m)};
-    const std::uint64_t tiles = culling.tiles();
+    const VkExtent2D room_px = graph.room({lists.width, lists.height});
+    const auto room_of = [&](std::uint32_t tile_px) {
+        return ((room_px.width + tile_px - 1) / tile_px) *
+               ((room_px.height + tile_px - 1) / tile_px);
+    };
+    culling.room_tiles = room_of(options.tile_px);
+    culling.room_macros = room_of(options.tile_px * culling.macro_tiles);
+    const std::uint64_t tiles = culling.room_tiles;
     CullBuffers buffers;
     SpawnTargets targets{.records = {},
                          .volumes = {},

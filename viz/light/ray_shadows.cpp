@@ -43,6 +43,9 @@ struct ShadowInputs {
     BvhBuffers meshes, live;  ///< one of them is not empty
     shared::ShadowParams params{};
     std::vector<std::uint32_t> constants;
+    // Sizes that memory is made for, not below params.size and params.texels.
+    VkExtent2D room{};
+    VkExtent2D room_texels{};
 
     void read(PassBuilder& b) const {
         b.read(surface.view_z, Use::compute_read);
@@ -147,7 +150,11 @@ void add_shadow_jobs(FrameGraph& graph, ShadowInputs in, std::uint32_t room, Ray
     const std::uint32_t band = std::min(std::max(room / row_jobs, 1u), p.texels.y);
     // One group more than is dispatched at most is never needed: 65535 groups are 2^22 - 64 jobs.
     KINO_CHECK_LE(std::uint64_t{band} * row_jobs, (std::uint64_t{1} << 22) - 64);
-    BufferId jobs = graph.create_buffer("shadow jobs", {std::uint64_t{band} * row_jobs * 4});
+    // No size within the room takes more.
+    const std::uint64_t room_row = std::max<std::uint64_t>(in.room_texels.width * p.most_rays, 1);
+    const std::uint64_t most_jobs =
+        std::max(room_row, std::min<std::uint64_t>(room, room_row * in.room_texels.height));
+    BufferId jobs = graph.create_buffer("shadow jobs", {most_jobs * 4});
     for (p.first_row = 0; p.first_row < p.texels.y; p.first_row += band) {
         p.rows = std::min(band, p.texels.y - p.first_row);
         if (p.first_row > 0) add_next_band(graph, out.counters);
@@ -199,8 +206,8 @@ void add_shadow_jobs(FrameGraph& graph, ShadowInputs in, std::uint32_t room, Ray
 
 BufferId add_shadow_expand(FrameGraph& graph, const ShadowInputs& in, BufferId traced) {
     const glm::uvec2 size = in.params.size;
-    BufferId masks =
-        graph.create_buffer("shadow masks", {std::uint64_t{size.x} * size.y * sizeof(glm::uvec4)});
+    BufferId masks = graph.create_buffer(
+        "shadow masks", {std::uint64_t{in.room.width} * in.room.height * sizeof(glm::uvec4)});
     graph.add_pass(
         "light/shadow expand", kShadowGroup,
         [&](PassBuilder& b) {
@@ -285,7 +292,11 @@ RayShadows add_ray_shadows(FrameGraph& graph, const Scene& scene, const View& vi
     const bool half = options.half_resolution && tiles_are_even(lists, view);
     ShadowInputs in = shadow_inputs(view, surface, lists, bvh, options, half);
     const shared::ShadowParams& p = in.params;
-    const std::uint64_t texels = std::uint64_t{p.texels.x} * p.texels.y;
+    const std::uint32_t divisor = half ? 2 : 1;
+    in.room = graph.room({p.size.x, p.size.y});
+    in.room_texels = {(in.room.width + divisor - 1) / divisor,
+                      (in.room.height + divisor - 1) / divisor};
+    const std::uint64_t texels = std::uint64_t{in.room_texels.width} * in.room_texels.height;
     KINO_CHECK(texels < (1u << 25));  // a job has seven bits for its slot
     out.masks = graph.create_buffer("shadow masks, traced", {texels * sizeof(glm::uvec4)});
     out.counters = graph.create_buffer("shadow counters", {sizeof(shared::ShadowCounters)});

@@ -44,6 +44,15 @@ double pick_bias(int fine, int coarse) {
     return fine / divisor % 2 == 0 ? 0.5 * divisor / coarse : 0.0;
 }
 
+VkExtent2D extent_of(const View& view) {
+    return {static_cast<std::uint32_t>(view.width), static_cast<std::uint32_t>(view.height)};
+}
+
+/// The least factor that memory is made for.
+double least_factor(const FramebufferLodOptions& options) {
+    return options.least_r >= 1 ? std::min(options.least_r, options.r) : options.r;
+}
+
 struct AlongAxis {
     double scale = 1;  // coarse = scale * fine + offset
     double offset = 0;
@@ -92,8 +101,13 @@ CoarseSurface add_coarse_surface(graph::FrameGraph& graph, const SurfaceTargets&
     if (size == LodSize{view.width, view.height})
         return {.surface = fine, .view = view, .guide = {}};
 
+    const VkExtent2D fine_room = graph.room(extent_of(view));
+    const LodSize room = lod_size(static_cast<int>(fine_room.width),
+                                  static_cast<int>(fine_room.height), least_factor(options));
     CoarseSurface coarse;
     coarse.view = coarse_view(view, size);
+    graph.reserve(extent_of(coarse.view), {static_cast<std::uint32_t>(room.width),
+                                           static_cast<std::uint32_t>(room.height)});
     const auto width = static_cast<std::uint32_t>(size.width);
     const auto height = static_cast<std::uint32_t>(size.height);
     SurfaceTargets& made = coarse.surface;

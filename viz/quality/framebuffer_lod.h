@@ -24,6 +24,9 @@ enum class LodFormat : std::uint8_t {
 
 struct FramebufferLodOptions {
     double r = 2;  ///< resizing factor, at least 1
+    /// Memory is made for any factor from here to r, so that a factor that changes every frame
+    /// allocates nothing; the picture does not depend on it. 0, or above r: for r alone.
+    double least_r = 0;
     Reconstruction reconstruction = Reconstruction::geometry_aware;
     RangeMetric metric = RangeMetric::plane;
     float sigma_z = 0.02f;  ///< relative; infinite: depth does not count

@@ -55,6 +55,7 @@ class LodRig {
     [[nodiscard]] LodResult run(const LodScene& scene, const FramebufferLodOptions& options,
                                 const LodShading& shading);
     [[nodiscard]] const gpu::Pipelines& pipelines() const { return pipelines_; }
+    void set_poison(bool poisons) { executor_.set_poison(poisons); }
 
   private:
     struct Frame;
