@@ -144,6 +144,7 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                                        .shadows = options.ray_shadows,
                                        .bounces = options.bounces,
                                        .lod = options.lod,
+                                       .rates = options.part_rates,
                                        .read_ids = options.read_surface,
                                        .samples = options.samples,
                                        .resolve = options.resolve});

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "viz/frame/multisampled_stage.h"
+#include "viz/frame/stage_light.h"
 #include "viz/frame/stage_surface.h"
 #include "viz/light/blended_pass.h"
 #include "viz/light/emission_pass.h"
@@ -38,11 +39,15 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     stage.depth = drawn.depth;
     const SurfaceTargets& surface = stage.surface;
     const SpawnedLights bounces = add_bounces(graph, scene, view, parts, options);
+    const std::vector<LightLevel> levels = stage_levels(scene, options);
+    std::optional<FramebufferLodOptions> lod = options.lod;
+    if (levels.front().r > 1 && !lod) lod.emplace();
+    if (lod) lod->r = levels.front().r;
     std::optional<CoarseSurface> coarse;
-    if (options.lod) coarse = add_coarse_surface(graph, surface, view, *options.lod);
+    if (lod) coarse = add_coarse_surface(graph, surface, view, *lod);
     // Fewer tiles where nobody walks the lists for finer pixels. Tiles know only the depths that
     // they were made from.
-    const bool fixes = coarse && wants_fixes(*options.lod);
+    const bool fixes = coarse && wants_fixes(*lod);
     const bool coarse_lists = coarse && !fixes && (opaque_kinds(scene) & kForwardKinds) == 0;
     stage.lists = coarse_lists
                       ? add_light_lists(graph, scene, coarse->view, coarse->surface.view_z,
@@ -52,9 +57,14 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     if (wants_ray_shadows(scene)) bvh = parts.bvh.add(graph);
     // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
     const bool emits_apart =
-        options.lod && options.lod->fine_grained && surface.object.valid() && wants_emission(scene);
+        lod && lod->fine_grained && surface.object.valid() && wants_emission(scene);
     RayShadows shadows;
     const auto shade = [&](const SurfaceTargets& at, const View& seen_from) {
+        if (levels.size() > 1) {
+            const CoarseSurface base{.surface = at, .view = seen_from, .guide = {}};
+            return add_light_levels(graph, {scene, bounces, bvh, options}, base, levels,
+                                    lod.value_or(FramebufferLodOptions{}), !emits_apart);
+        }
         shadows =
             add_ray_shadows(graph, scene, seen_from, {.view_z = at.view_z, .normal = at.normal},
                             stage.lists, bvh, options.shadows);
@@ -66,7 +76,7 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     };
     if (coarse) {
         stage.linear = add_reconstruction(graph, shade(coarse->surface, coarse->view), *coarse,
-                                          surface, view, *options.lod, &stage.fixed);
+                                          surface, view, *lod, &stage.fixed);
         if (stage.fixed.valid()) {
             const PixelList list{stage.fixed.pixels, stage.fixed.state, stage.fixed.cap};
             const graph::BufferId masks = add_listed_shadows(
@@ -91,8 +101,13 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     }
     if ((opaque_kinds(scene) & kForwardKinds) != 0) {
         MeshLight light = make_mesh_light(graph, scene, view, stage.lists);
-        // Masks of a coarse picture are of other pixels.
-        if (!options.lod) light.shadow_masks = shadows.masks;
+        // Masks of a coarse picture are of other pixels, those of one part of other lights.
+        if (!lod && levels.size() > 1) {
+            shadows = add_ray_shadows(graph, scene, view,
+                                      {.view_z = surface.view_z, .normal = surface.normal},
+                                      stage.lists, bvh, options.shadows);
+        }
+        if (!lod) light.shadow_masks = shadows.masks;
         const ForwardTargets drawn_over = add_forward_pass(
             graph, scene, view, parts.meshes, light, kForwardKinds, {stage.linear, stage.depth});
         stage.linear = drawn_over.linear;

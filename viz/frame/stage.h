@@ -6,6 +6,7 @@
 #include "viz/graph/graph.h"
 #include "viz/light/indirect.h"
 #include "viz/light/light_lists.h"
+#include "viz/light/light_parts.h"
 #include "viz/light/multisample.h"
 #include "viz/light/ray_shadows.h"
 #include "viz/quality/framebuffer_lod.h"
@@ -27,6 +28,9 @@ struct StageOptions {
     RayShadowOptions shadows;
     BounceOptions bounces;
     std::optional<FramebufferLodOptions> lod;
+    /// Parts of the light that are shaded coarser or finer than `lod` says, or without it; not with
+    /// four samples forward.
+    PartRates rates;
     bool read_ids = false;  ///< the surface gets ids
     /// 4: meshes are shaded forward with four samples a pixel (multisampled_stage.h); not with lod.
     std::uint32_t samples = 1;

@@ -224,7 +224,7 @@ LightLists add_light_lists(FrameGraph& graph, const Scene& scene, const View& vi
                            const SpawnedLights& spawned) {
     KINO_CHECK(options.tile_px == 8 || options.tile_px == 16 || options.tile_px == 32);
     KINO_CHECK(options.capacity > 0 && options.cell_count >= 1 && options.cell_count <= 32);
-    PackedLights packed = pack_lights(scene, view, options.capacity);
+    PackedLights packed = pack_lights(scene, view, options.capacity, options.parts);
     LightLists lists;
     lists.width = static_cast<std::uint32_t>(view.width);
     lists.height = static_cast<std::uint32_t>(view.height);
@@ -233,7 +233,7 @@ LightLists add_light_lists(FrameGraph& graph, const Scene& scene, const View& vi
     lists.has_spots = packed.has_spots || spawned.count > 0;
     lists.has_masks = packed.has_masks;
     lists.check = packed.check;
-    if (!wants_light_lists(scene) && spawned.count == 0) {
+    if (packed.local_count <= kLightsWithoutLists && spawned.count == 0) {
         (void)add_upload(graph, std::move(packed), lists);
         return lists;
     }

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "viz/graph/graph.h"
+#include "viz/light/light_parts.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
 #include "viz/surface/depth_rasterizer.h"
@@ -24,6 +25,7 @@ struct LightListOptions {
     /// Indices there is room for in the whole picture; 0: `capacity` for every tile. With a pool
     /// tiles are counted, summed and filled, which takes the tests twice.
     std::uint32_t pool = 0;
+    std::uint32_t parts = kAllLights;  ///< only these of the scene's own lights (light_parts.h)
 };
 
 /// What was refused before it reached the device.
@@ -98,6 +100,12 @@ struct ShadeInputs {
     graph::BufferId shadow_masks;
     /// False: what materials emit is left out, for add_emission_pass() to add at full size.
     bool emission = true;
+    /// What the lists' lights give and nothing else: no ambient light, no captured colours that
+    /// stay beside virtual light, no emission.
+    bool lights_only = false;
+    /// Valid: a picture of the view's size, RGBA16F, that light is added to and that is returned.
+    /// Its alpha, and its pixels that show nothing, stay as they are. Not for add_shade_list().
+    graph::TextureId onto;
 };
 [[nodiscard]] graph::TextureId add_shade_pass(graph::FrameGraph& graph, const Scene& scene,
                                               const View& view, const ShadeInputs& inputs);

@@ -79,12 +79,14 @@ bool is_usable(const Light& light) {
     return all_finite(light.position) && std::isfinite(light.radius_m) && light.radius_m > 0;
 }
 
-PackedLights pack_lights(const Scene& scene, const View& view, std::uint32_t list_capacity) {
+PackedLights pack_lights(const Scene& scene, const View& view, std::uint32_t list_capacity,
+                         std::uint32_t parts) {
     const Pose view_from_world = inverse(view.world_from_view);
     PackedLights packed;
     std::vector<std::uint32_t> order;
     for (std::uint32_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
+        if ((part_of(light) & parts) == 0) continue;
         if (!is_usable(light)) {
             ++packed.check.dropped;
             continue;

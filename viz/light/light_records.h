@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "viz/light/light_lists.h"
+#include "viz/light/light_parts.h"
 #include "viz/light/light_shared.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
@@ -13,7 +14,8 @@ namespace kino {
 /// A scene's lights as the device gets them: checked, in view space, ordered. Directional lights
 /// come first, then local ones: those with shadows before the others. Where there are more local
 /// lights than a list may hold, the brightest come first among their kind, so that what an
-/// overflowing list loses is the dimmest.
+/// overflowing list loses is the dimmest. Lights of other parts than `parts` (light_parts.h) are
+/// left out, uncounted.
 struct PackedLights {
     std::vector<shared::LightRecord> records;
     std::vector<shared::LightVolume> volumes;  ///< of local lights only
@@ -24,7 +26,8 @@ struct PackedLights {
     bool has_masks = false;  ///< some light skips some material
 };
 [[nodiscard]] PackedLights pack_lights(const Scene& scene, const View& view,
-                                       std::uint32_t list_capacity);
+                                       std::uint32_t list_capacity,
+                                       std::uint32_t parts = kAllLights);
 
 /// The same in the scene's order, those without light for material 0 left out, for shaders that
 /// walk all lights of a picture without meshes.

@@ -17,6 +17,7 @@ layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D linear;
 #include "viz/light/light_loop.glsl"
 #ifdef KINO_LIST_LIVE
 layout(constant_id = 5) const uint kMixed = 0u;
+#include "viz/light/shade_part.glsl"
 #else
 layout(set = 0, binding = 10) uniform usampler2D object;
 layout(set = 0, binding = 11) uniform usamplerBuffer materials;
@@ -38,7 +39,7 @@ void main() {
     TileList list = list_at(vec2(at) + 0.5);
     if (!wanted || !there) list.count = 0u;
 #ifdef KINO_LIST_LIVE
-    vec3 irradiance = kMixed != 0u ? vec3(1.0) : p.ambient;
+    vec3 irradiance = own_light(kMixed != 0u ? vec3(1.0) : p.ambient);
     vec3 l;
     if (kGlobals != 0u) {
         for (uint i = 0u; i < p.globals; ++i) {

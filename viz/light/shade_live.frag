@@ -15,6 +15,7 @@ layout(set = 0, binding = 6) uniform usamplerBuffer shadow_masks;
 layout(location = 0) out vec4 out_linear;
 #include "viz/light/light_loop.glsl"
 layout(constant_id = 5) const uint kMixed = 0u;
+#include "viz/light/shade_part.glsl"
 
 // A picture of nothing but captured surfaces: Lambert and lists.
 void main() {
@@ -24,7 +25,7 @@ void main() {
     vec3 n = from_octahedral(texelFetch(normal, at, 0).rg);
     vec3 q = vec3((vec2(at) - p.k.zw) / p.k.xy, 1.0) * texelFetch(view_z, at, 0).r;
     uint pixel = uint(at.y) * p.row_px + uint(at.x);
-    vec3 irradiance = kMixed != 0u ? vec3(1.0) : p.ambient;
+    vec3 irradiance = own_light(kMixed != 0u ? vec3(1.0) : p.ambient);
     vec3 l;
     bool there = seen.a > 0.0;
     if (kGlobals != 0u) {
@@ -40,5 +41,5 @@ void main() {
         vec3 light = local_light(i, q, l);
         irradiance += light * (max(dot(n, l), 0.0) * unmasked(i, p.globals + k, 0u, pixel));
     }
-    out_linear = vec4(there ? captured * irradiance : captured, seen.a);
+    out_linear = part_of_pixel(captured * irradiance, captured, seen.a);
 }

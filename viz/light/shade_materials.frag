@@ -31,5 +31,5 @@ void main() {
     // Nothing there: no trips.
     if (seen.a == 0.0) list.count = 0u;
     vec3 light = shade(s, list, uint(at.y) * p.row_px + uint(at.x));
-    out_linear = vec4(seen.a > 0.0 ? light : s.base, seen.a);
+    out_linear = part_of_pixel(light, s.base, seen.a);
 }

@@ -1,6 +1,7 @@
 // shade(Surface, TileList): layered materials under all lights of a tile. The includer has declared
 // what viz/light/light_loop.glsl wants, and uniform usamplerBuffer materials, lobes (word_quads).
 #include "viz/light/lobes.glsl"
+#include "viz/light/shade_part.glsl"
 layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 7) const uint kEmission = 1u;
 layout(constant_id = KINO_FIRST_LIGHT_CONSTANT + 5) const uint kColorMode = 2u;  // as ColorMode
 
@@ -53,7 +54,7 @@ vec3 shade(Surface s, TileList list, uint pixel) {
             }
         }
     }
-    vec3 already = live && kColorMode != 2u ? vec3(1.0) : p.ambient * ambient;
+    vec3 already = own_light(live && kColorMode != 2u ? vec3(1.0) : p.ambient * ambient);
     vec3 emitted = kEmission != 0u ? uintBitsToFloat(m1.xyz) : vec3(0.0);
     return s.base * (already + diffuse * uintBitsToFloat(m0.xyz)) + rest + emitted;
 }
