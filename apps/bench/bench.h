@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/bench/reference_cache.h"
 #include "apps/bench/timing.h"
 #include "base/error.h"
 
@@ -42,6 +43,9 @@ class BenchContext {
     /// frames with joints2d.json. Empty where not given.
     std::filesystem::path peer;
     std::vector<std::filesystem::path> marked;
+    /// For references that take long: context.references.image<glm::dvec3>(key, [&] { ... }).
+    /// Keeps nothing unless the program was given a folder.
+    ReferenceCache references;
 
     /// One line on stderr with the time since the entry began.
     void progress(std::string_view what) const;

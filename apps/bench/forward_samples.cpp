@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "apps/bench/reference_cache.h"
 #include "apps/bench/stage_player.h"
 #include "tests/support/random.h"
 #include "viz/surface/mesh_shapes.h"
@@ -97,7 +98,7 @@ void bench_forward_samples(BenchContext& context, gpu::Device& device) {
                     .world_from_view = look_at({0, 0, 0}, {0, 0, -1})};
     const Scene scene = bars(quick ? 200 : 500);
     StagePlayer player(device);
-    const auto mean_of = [&](int side) -> Result<Image<glm::dvec3>> {
+    const auto draw_mean = [&](int side) -> Result<Image<glm::dvec3>> {
         Image<glm::dvec3> mean(width, height);
         for (int i = 0; i < side * side; ++i) {
             const View at =
@@ -109,6 +110,12 @@ void bench_forward_samples(BenchContext& context, gpu::Device& device) {
             }
         }
         return mean;
+    };
+    const auto mean_of = [&](int side) {
+        // The scene and its view are this program's, as drawing is.
+        bench::ReferenceKey key("forward-samples", bench::program_version(device.info().driver));
+        return context.references.image<glm::dvec3>(key.add(quick).add(side),
+                                                    [&] { return draw_mean(side); });
     };
     context.progress("samples: reference");
     const auto reference = mean_of(4);

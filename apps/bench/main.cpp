@@ -13,6 +13,7 @@
 #include "apps/bench/machine.h"
 #include "apps/bench/pages.h"
 #include "apps/bench/plot.h"
+#include "apps/bench/reference_cache.h"
 #include "apps/bench/registry.h"
 #include "apps/bench/run_all.h"
 #include "apps/bench/table.h"
@@ -33,6 +34,9 @@ struct Options {
     std::string docs_folder;
     std::string peer;
     std::vector<std::string> marked;
+    std::string cache_folder = default_cache_folder().string();
+    bool no_cache = false;
+    std::string claims_file;
     std::string command;
 };
 
@@ -43,11 +47,14 @@ void complain(const Error& error) {
 std::string command_text(int argc, char** argv) {
     std::string text = std::filesystem::path(argv[0]).filename().string();
     for (int i = 1; i < argc; ++i) {
-        // Where the rows go besides says nothing about them.
-        if (std::string_view(argv[i]) == "--csv") {
+        // Where the rows go besides says nothing about them, and references are the same wherever
+        // they come from.
+        const std::string_view word = argv[i];
+        if (word == "--csv" || word == "--claims" || word == "--cache") {
             ++i;
             continue;
         }
+        if (word == "--no-cache") continue;
         text += fmt::format(" {}", argv[i]);
     }
     return text;
@@ -80,10 +87,15 @@ Result<void> write_docs(const Entry& entry, const BenchContext& bench, const Opt
 }
 
 /// One entry from start to files. False if anything of it failed.
-bool run_entry(const Entry& entry, const Options& options, std::string& csv) {
+bool run_entry(const Entry& entry, const Options& options, std::string& csv, std::string& claims) {
     BenchContext bench(std::string(entry.name), options.quick);
     bench.peer = options.peer;
     bench.marked.assign(options.marked.begin(), options.marked.end());
+    if (!options.no_cache && !options.cache_folder.empty()) {
+        bench.references = ReferenceCache(
+            {.folder = options.cache_folder,
+             .say = [&bench](const std::string& sentence) { bench.progress(sentence); }});
+    }
     try {
         entry.run(bench);
     } catch (const std::exception& thrown) {
@@ -91,6 +103,12 @@ bool run_entry(const Entry& entry, const Options& options, std::string& csv) {
         bench.fail({.what = thrown.what(), .where = std::string(entry.name), .hint = {}});
     }
     csv += csv_lines(bench);
+    claims += claim_lines(bench);
+    const ReferenceCache::Counts& references = bench.references.counts();
+    if (references.found + references.made > 0) {
+        bench.progress(fmt::format("{} references kept from before, {} made", references.found,
+                                   references.made));
+    }
     bool good = bench.errors().empty();
     if (good && !options.docs_folder.empty()) {
         if (const auto written = write_docs(entry, bench, options); !written) {
@@ -107,7 +125,14 @@ constexpr const char* kQuickDocs = "out/accuracy";
 constexpr double kMostMinutes = 40;
 constexpr double kMostQuickMinutes = 3;
 
-int finish(const Options& options, const std::string& csv, bool good) {
+int finish(const Options& options, const std::string& csv, bool good,
+           const std::string& claims = {}) {
+    if (!options.claims_file.empty()) {
+        if (const auto written = write_text(options.claims_file, claims); !written) {
+            complain(written.error());
+            good = false;
+        }
+    }
     if (options.csv_file.empty()) {
         fmt::print("{}", csv);
     } else if (const auto written = write_text(options.csv_file, csv); !written) {
@@ -145,6 +170,11 @@ int run_everything(Options options) {
                    .most_minutes = options.quick ? kMostQuickMinutes : kMostMinutes,
                    .quick = options.quick};
     if (options.quick) all.arguments.push_back("--quick");
+    if (options.no_cache) {
+        all.arguments.push_back("--no-cache");
+    } else if (!options.cache_folder.empty()) {
+        all.arguments.insert(all.arguments.end(), {"--cache", options.cache_folder});
+    }
     if (!options.peer.empty()) all.arguments.insert(all.arguments.end(), {"--peer", options.peer});
     for (const std::string& folder : options.marked) {
         all.arguments.insert(all.arguments.end(), {"--marked", folder});
@@ -152,11 +182,10 @@ int run_everything(Options options) {
     std::vector<std::string_view> names;
     for (const Entry& entry : entries()) names.push_back(entry.name);
     const AllReport report = run_all(names, all);
-    for (const std::string& failed : report.failed) {
-        fmt::print(stderr, "kinoscope-bench: failed: {}\n", failed);
-    }
     const bool paged = make_pages(options) == 0;
-    return finish(options, report.csv, paged && report.failed.empty());
+    const int status = finish(options, report.csv, paged && report.failures() == 0);
+    fmt::print(stderr, "\n{}", summary_table(report));
+    return status;
 }
 
 int run(const Options& options) {
@@ -183,14 +212,14 @@ int run(const Options& options) {
     }
 
     bool good = true;
-    std::string csv(csv_header());
-    for (const Entry* entry : chosen) good = run_entry(*entry, options, csv) && good;
+    std::string csv(csv_header()), claims;
+    for (const Entry* entry : chosen) good = run_entry(*entry, options, csv, claims) && good;
     // The page beside the figures goes with them.
     const bool has_page =
         !options.docs_folder.empty() &&
         std::filesystem::exists(std::filesystem::path(options.docs_folder) / "index.html");
     if (options.pages || has_page) good = make_pages(options) == 0 && good;
-    return finish(options, csv, good);
+    return finish(options, csv, good, claims);
 }
 
 }  // namespace
@@ -205,7 +234,10 @@ int main(int argc, char** argv) {
         "Measures speed and error against references and rivals. The table goes to standard "
         "output as CSV, progress to standard error.",
         "kinoscope-bench");
-    app.footer("Exit status: 0 done, 1 an entry failed or a file could not be written, 2 usage.");
+    app.footer(
+        "Exit status: 0 done, 1 an entry failed or a file could not be written, 2 usage. A claim "
+        "that does not hold on this machine is a finding: it is told on the pages and at the end, "
+        "and is no failure.");
     app.add_option("NAME", options.names, "entries to run");
     app.add_flag("--list", options.list, "name the entries and end");
     app.add_flag("--all", options.all,
@@ -224,6 +256,14 @@ int main(int argc, char** argv) {
         ->type_name("DIR");
     app.add_option("--marked", options.marked, "real frames with joints2d.json; may be repeated")
         ->type_name("DIR");
+    app.add_option("--cache", options.cache_folder,
+                   "where references that take long are kept, by what they depend on")
+        ->type_name("DIR")
+        ->capture_default_str();
+    app.add_flag("--no-cache", options.no_cache, "make all references anew and keep none");
+    app.add_option("--claims", options.claims_file,
+                   "also write a line a claim, \"holds: ...\" or \"missed: ...\", into FILE")
+        ->type_name("FILE");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

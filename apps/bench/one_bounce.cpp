@@ -5,7 +5,9 @@
 #include <numbers>
 #include <optional>
 
+#include "apps/bench/reference_cache.h"
 #include "apps/bench/registry.h"
+#include "apps/bench/source_version.h"
 #include "apps/bench/stage_player.h"
 #include "viz/surface/mesh_shapes.h"
 
@@ -208,18 +210,31 @@ void bounce_case(BenchContext& context, StagePlayer& player, const std::string& 
     direct.lights[0].indirect = false;
     context.progress(name + ": reference");
     const auto patches = lit_patches(solids, scene.lights[0], quick ? 96 : 200);
-    Image<glm::dvec3> wanted(width, height), unhidden(width, height);
     const glm::dmat3 turn = glm::mat3_cast(view.world_from_view.rotation);
     const Projection& k = view.projection;
-    for (int y = 0; y < height; y += step) {
-        for (int x = 0; x < width; x += step) {
-            const glm::dvec3 way = turn * glm::dvec3((x - k.cx) / k.fx, (y - k.cy) / k.fy, 1);
-            const auto hit = first_hit(solids, view.world_from_view.translation, way);
-            if (!hit) continue;
-            wanted.at(x, y) = bounced(solids, patches, *hit, true);
-            unhidden.at(x, y) = bounced(solids, patches, *hit, false);
-        }
-    }
+    const auto reference = [&](bool hidden_counts) {
+        bench::ReferenceKey key("one-bounce", bench::source_version({"apps/bench/one_bounce.cpp"}));
+        key.add(width).add(height).add(step).add(hidden_counts);
+        key.add(k.cx).add(k.cy).add(k.fx).add(k.fy);
+        key.add(turn).add(view.world_from_view.translation);
+        for (const Patch& patch : patches) key.add(patch.place).add(patch.normal).add(patch.flux);
+        for (const Solid& solid : solids) key.add(solid.center).add(solid.half);
+        return context.references.image<glm::dvec3>(key, [&] {
+            Image<glm::dvec3> picture(width, height);
+            for (int y = 0; y < height; y += step) {
+                for (int x = 0; x < width; x += step) {
+                    const glm::dvec3 way =
+                        turn * glm::dvec3((x - k.cx) / k.fx, (y - k.cy) / k.fy, 1);
+                    const auto hit = first_hit(solids, view.world_from_view.translation, way);
+                    if (hit) picture.at(x, y) = bounced(solids, patches, *hit, hidden_counts);
+                }
+            }
+            return picture;
+        });
+    };
+    const auto hidden = reference(true), not_hidden = reference(false);
+    if (!hidden || !not_hidden) return context.fail((hidden ? not_hidden : hidden).error());
+    const Image<glm::dvec3>&wanted = *hidden, &unhidden = *not_hidden;
     const auto plain = player.draw(direct, view, {}, true);
     if (!plain) return context.fail(plain.error());
     std::vector<bench::Candidate> candidates = {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/reference_cache.h"
 #include "apps/bench/registry.h"
 #include "tests/scenes/depth_scene.h"
 #include "tests/scenes/raster_scenes.h"
@@ -96,6 +97,23 @@ class RasterBench {
         return std::move(*frame);
     }
 
+    /// The double rasteriser's picture.
+    Image<reference::RasterSample> reference_picture(const LiveDepth& live, const View& view) {
+        bench::ReferenceKey key("raster", bench::program_version());
+        const DepthSurface& surface = *live.surface;
+        key.add(surface.depth_m).add(surface.color).add(surface.focal_px);
+        key.add(surface.rays->pixels());
+        for (const Pose& pose : {live.world_from_depth, view.world_from_view}) {
+            key.add(pose.rotation).add(pose.translation);
+        }
+        key.add(live.style).add(live.edge_rule).add(live.splat_cap_px).add(live.fill_holes);
+        key.add(view.width).add(view.height).add(view.projection);
+        auto picture = context_.references.image<reference::RasterSample>(
+            key, [&] { return test::reference_picture(live, view); });
+        if (!picture) context_.fail(picture.error());
+        return picture ? std::move(*picture) : Image<reference::RasterSample>();
+    }
+
     /// All paths of one style in one view, interleaved; rows with their agreement.
     void paths(const LiveDepth& live, const NamedView& named) {
         const bool mesh = live.style == DepthStyle::mesh;
@@ -119,7 +137,7 @@ class RasterBench {
             timings[3].ms.push_back(c.total_ms);
         }
         const Comparison comparison(timings);
-        const auto reference = test::reference_picture(live, named.view);
+        const auto reference = reference_picture(live, named.view);
         const auto row = [&](const std::string& level, RasterPath path, bool agreement) {
             BenchRow out{.case_name = what, .knob = "path", .level = level, .baseline = hardware};
             if (agreement) {
@@ -157,7 +175,7 @@ class RasterBench {
     void resolutions(const test::RecordedScene& recorded, const View& view) {
         LiveDepth full = filled_office(recorded, 1);
         full.style = DepthStyle::mesh;
-        const auto reference = test::reference_picture(full, view);
+        const auto reference = reference_picture(full, view);
         std::vector<LiveDepth> levels;
         std::vector<Timing> timings;
         for (const int stride : {1, 2, 4, 8}) {
@@ -200,7 +218,7 @@ class RasterBench {
     void splat_caps(const LiveDepth& cloud, const View& view) {
         LiveDepth mesh = cloud;
         mesh.style = DepthStyle::mesh;
-        const auto reference = test::reference_picture(mesh, view);
+        const auto reference = reference_picture(mesh, view);
         std::vector<Timing> timings;
         const std::vector<int> caps = {1, 2, 3, 4, 8};
         timings.reserve(caps.size());

@@ -17,14 +17,32 @@ struct AllOptions {
     double most_minutes = 40;  ///< of all together; what has not begun by then is left out
     bool quick = false;
 };
+
+/// What became of one entry.
+struct EntryOutcome {
+    std::string name;
+    double seconds = 0;
+    std::size_t rows = 0;
+    int claims_hold = 0;
+    std::vector<std::string> claims_missed;  ///< findings, no failures
+    std::string failure;                     ///< "ended with status 1"; empty: it worked
+};
 struct AllReport {
-    std::string csv;                  ///< of all that worked, with one header
-    std::vector<std::string> failed;  ///< "raster: ended with status 1"
+    std::string csv;  ///< of all that worked, with one header
+    std::vector<EntryOutcome> outcomes;
+    double seconds = 0;
+    double most_minutes = 0;
+    [[nodiscard]] std::size_t failures() const;
+    [[nodiscard]] std::size_t claims_missed() const;
 };
 [[nodiscard]] AllReport run_all(std::span<const std::string_view> names, const AllOptions& options);
 
-/// What an entry takes on two cores at 2 GHz, for the remaining time; a minute where nobody
-/// measured it.
+/// A line an entry with its time, rows and claims; then what failed; then, apart from that, the
+/// claims that do not hold.
+[[nodiscard]] std::string summary_table(const AllReport& report);
+
+/// What an entry takes on two cores at 2 GHz, for the remaining time; a minute (--quick: ten
+/// seconds) where nobody measured it.
 [[nodiscard]] double typical_seconds(std::string_view name, bool quick);
 
 }  // namespace kino::bench

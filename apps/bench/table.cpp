@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <system_error>
@@ -58,8 +59,25 @@ std::string csv_lines(const BenchContext& bench) {
     return lines;
 }
 
+std::string claim_lines(const BenchContext& bench) {
+    std::string lines;
+    for (const BenchContext::Claim& claim : bench.claims()) {
+        std::string sentence = claim.sentence;
+        std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+        lines += fmt::format("{}: {}\n", claim.holds ? "holds" : "missed", sentence);
+    }
+    return lines;
+}
+
 std::string markdown_page(const BenchContext& bench, const PageFacts& facts) {
     std::string page = fmt::format("# {}\n\n{}.\n\n", bench.name(), facts.description);
+    const auto missed = std::count_if(bench.claims().begin(), bench.claims().end(),
+                                      [](const auto& claim) { return !claim.holds; });
+    if (missed > 0) {
+        page += fmt::format(
+            "**{} of {} claims {} not hold here**, see [below](#what-it-must-show).\n\n", missed,
+            bench.claims().size(), missed == 1 ? "does" : "do");
+    }
     if (facts.with_plot) {
         const std::string_view stem = facts.page.empty() ? bench.name() : facts.page;
         page += fmt::format("![{}: error against time]({}.svg)\n\n", bench.name(), stem);

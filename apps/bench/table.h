@@ -16,6 +16,9 @@ namespace kino::bench {
 /// quotes or line ends are quoted as RFC 4180 has it; numbers not measured are empty.
 [[nodiscard]] std::string csv_lines(const BenchContext& bench);
 
+/// "holds: ..." or "missed: ...", a line a claim.
+[[nodiscard]] std::string claim_lines(const BenchContext& bench);
+
 /// The page of an entry: table, claims, notes, machine and command.
 struct PageFacts {
     std::string_view description;

@@ -268,20 +268,34 @@ TEST(RunAll, OneThatFailsDoesNotStopTheOthers) {
                    "#!/bin/sh\n[ \"$1\" = bad ] && exit 3\n[ \"$1\" = dead ] && kill -6 $$\n"
                    "printf '%s' '" +
                        std::string(csv_header()) +
-                       "' > \"$3\"\nprintf '%s,c,k,l,1,,2,m,,\\n' \"$1\" >> \"$3\"\n");
+                       "' > \"$3\"\nprintf '%s,c,k,l,1,,2,m,,\\n' \"$1\" >> \"$3\"\n"
+                       "printf 'holds: a\\nholds: b\\n' > \"$5\"\n"
+                       "[ \"$1\" = two ] && echo 'missed: 5 > 3' >> \"$5\"\nexit 0\n");
     std::filesystem::permissions(script, std::filesystem::perms::owner_all);
     const std::vector<std::string_view> names = {"one", "bad", "dead", "two"};
     const AllReport report = run_all(names, {.program = script.string(), .arguments = {}});
     EXPECT_THAT(report.csv, HasSubstr("one,c,k,l,1"));
     EXPECT_THAT(report.csv, HasSubstr("two,c,k,l,1"));
-    ASSERT_EQ(report.failed.size(), 2u);
-    EXPECT_THAT(report.failed[0], HasSubstr("bad: ended with status 3"));
-    EXPECT_THAT(report.failed[1], HasSubstr("dead: ended by signal 6"));
+    ASSERT_EQ(report.outcomes.size(), 4u);
+    EXPECT_EQ(report.failures(), 2u);
+    EXPECT_EQ(report.outcomes[0].failure, "");
+    EXPECT_EQ(report.outcomes[0].rows, 1u);
+    EXPECT_EQ(report.outcomes[0].claims_hold, 2);
+    EXPECT_EQ(report.outcomes[1].failure, "ended with status 3");
+    EXPECT_EQ(report.outcomes[1].claims_hold, 0) << "of the one before";
+    EXPECT_EQ(report.outcomes[2].failure, "ended by signal 6");
+    // What does not hold is told apart from what failed.
+    EXPECT_EQ(report.claims_missed(), 1u);
+    EXPECT_THAT(report.outcomes[3].claims_missed, testing::ElementsAre("5 > 3"));
+    const std::string table = summary_table(report);
+    EXPECT_THAT(table, HasSubstr("2 failed:\n  bad: ended with status 3\n  dead: ended by"));
+    EXPECT_THAT(table,
+                HasSubstr("1 claims do not hold on this machine (no failure):\n  two: 5 > 3"));
     const AllReport late =
         run_all(names, {.program = script.string(), .arguments = {}, .most_minutes = 0});
-    EXPECT_EQ(late.failed.size(), 4u);
+    EXPECT_EQ(late.failures(), 4u);
     const AllReport gone = run_all(names, {.program = "/nowhere/bench", .arguments = {}});
-    EXPECT_EQ(gone.failed.size(), 4u);
+    EXPECT_EQ(gone.failures(), 4u);
 }
 
 }  // namespace
