@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <vector>
 
 namespace kino::reference {
 namespace {
@@ -18,8 +19,26 @@ constexpr double kLeastTent = 1e-3;
 
 struct Neighbour {
     int x = 0, y = 0;
-    double tent = 0;
+    double tent = 0;  ///< or Gaussian
 };
+
+/// Those that a Gaussian of sigma 0.7 weighs, with weights that add up to one.
+std::vector<Neighbour> gauss_neighbours(double at_x, double at_y, int width, int height) {
+    const int left = static_cast<int>(std::floor(at_x)) - 1;
+    const int top = static_cast<int>(std::floor(at_y)) - 1;
+    std::vector<Neighbour> out;
+    double sum = 0;
+    for (int y = top; y < top + 4; ++y) {
+        for (int x = left; x < left + 4; ++x) {
+            const double squared = (at_x - x) * (at_x - x) + (at_y - y) * (at_y - y);
+            const double weight = std::exp(-squared / (2 * 0.7 * 0.7));
+            out.push_back({std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1), weight});
+            sum += weight;
+        }
+    }
+    for (Neighbour& neighbour : out) neighbour.tent /= sum;
+    return out;
+}
 
 std::array<Neighbour, 4> neighbours(double at_x, double at_y, int width, int height) {
     const int left = static_cast<int>(std::floor(at_x));
@@ -66,11 +85,14 @@ glm::dvec3 lod_reconstruct(const Image<LodSample>& coarse, const Image<LodPixel>
     const auto ray = [&](double px, double py) {
         return glm::dvec3((px - rules.cx) / rules.fx, (py - rules.cy) / rules.fy, 1);
     };
-    const auto around = neighbours(coarse_of_fine(x, fine.width(), coarse.width()),
-                                   coarse_of_fine(y, fine.height(), coarse.height()),
-                                   coarse.width(), coarse.height());
-    std::array<double, 4> e{};
-    for (std::size_t k = 0; k < 4; ++k) {
+    const double at_x = coarse_of_fine(x, fine.width(), coarse.width());
+    const double at_y = coarse_of_fine(y, fine.height(), coarse.height());
+    const auto four = neighbours(at_x, at_y, coarse.width(), coarse.height());
+    const std::vector<Neighbour> around =
+        rules.gauss ? gauss_neighbours(at_x, at_y, coarse.width(), coarse.height())
+                    : std::vector<Neighbour>(four.begin(), four.end());
+    std::vector<double> e(around.size(), 0.0);
+    for (std::size_t k = 0; k < around.size(); ++k) {
         const LodSample& sample = coarse.at(around[k].x, around[k].y);
         const bool nothing = !(sample.z > 0);
         const double zj = sample.z;
@@ -95,12 +117,12 @@ glm::dvec3 lod_reconstruct(const Image<LodSample>& coarse, const Image<LodPixel>
         if (rules.objects && sample.object != pixel.object) e[k] += kOtherObject * ln2;
     }
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < around.size(); ++k) {
         if (around[k].tent >= kLeastTent) least = std::min(least, e[k]);
     }
     glm::dvec3 sum(0);
     double weights = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < around.size(); ++k) {
         const double weight = around[k].tent * std::exp(-std::max(e[k] - least, 0.0));
         sum += weight * coarse.at(around[k].x, around[k].y).light;
         weights += weight;

@@ -34,6 +34,7 @@ struct LodPixel {
 enum class LodMetric { depth, log_depth, plane };
 
 struct LodRules {
+    bool gauss = false;  ///< 4x4 coarse pixels instead of 2x2
     LodMetric metric = LodMetric::plane;
     double sigma_z = 0.02;
     double sigma_n = 0.25;

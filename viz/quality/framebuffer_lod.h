@@ -22,6 +22,12 @@ enum class LodFormat : std::uint8_t {
     wide     ///< everything as it is: the reference of the packed kernel
 };
 
+/// How coarse pixels count by their distance along the picture.
+enum class LodKernel : std::uint8_t {
+    tent,  ///< over 2x2 coarse pixels: bilinear
+    gauss  ///< over 4x4, sigma 0.7 coarse pixels: smoother, and every pixel is weighed (no tiles)
+};
+
 struct FramebufferLodOptions {
     double r = 2;  ///< resizing factor, at least 1
     /// Memory is made for any factor from here to r, so that a factor that changes every frame
@@ -34,6 +40,7 @@ struct FramebufferLodOptions {
     /// Divide the coarse light by its albedo and multiply by the fine one (fine-grained resizing).
     bool fine_grained = true;
     LodFormat format = LodFormat::packed;
+    LodKernel kernel = LodKernel::tent;  ///< geometry-aware only
     /// Tiles whose coarse neighbours differ by less than this many sigmas are resized without
     /// guides; 0: every pixel is weighed. Packed only.
     float flat_tolerance = 0.5f;

@@ -66,8 +66,7 @@ CoarseGuides unpacked_guides(uvec4 guide, vec4 x, vec4 y, vec4 tags, float own_t
 
 struct Eq1 {
     vec3 light;  // of the packed coarse picture: light over albedo if fine-grained
-    vec4 e;      // exponents and
-    vec4 f;      // the tent's weights, for doubt_of()
+    float bits;  // of doubt
 };
 
 // The 2x2 packed coarse pixels around `i`. own_tag: object_tag() of the object there.
@@ -83,11 +82,44 @@ Eq1 equation_one(FineGuide i, float own_tag, sampler2D coarse_light, usampler2D 
     vec4 tags = vec4(lit[0].a, lit[1].a, lit[2].a, lit[3].a);
 
     Eq1 found;
-    found.e = eq1_exponents(i, unpacked_guides(guide, x, y, tags, own_tag));
-    found.f = tent(at.t);
-    vec4 w = range_weights(found.e, found.f);
+    vec4 e = eq1_exponents(i, unpacked_guides(guide, x, y, tags, own_tag));
+    vec4 w = range_weights(e, tent(at.t));
+    found.bits = doubt_bits(e, tent(at.t));
     found.light = vec3(0.0);
     for (int j = 0; j < 4; ++j) found.light += w[j] * lit[j].rgb;
     found.light /= w.x + w.y + w.z + w.w;
+    return found;
+}
+
+// The same with a Gaussian over the 4x4 around it.
+Eq1 equation_one_4x4(FineGuide i, float own_tag, sampler2D coarse_light,
+                     usampler2D coarse_guide) {
+    Footprint4 at = footprint4_of(i.place, p.coarse_of_fine, p.last);
+    vec4 lit[16];
+    vec4 e[4];
+    float least = 1e30;
+    for (int row = 0; row < 4; ++row) {
+        uvec4 guide;
+        vec4 tags;
+        for (int j = 0; j < 4; ++j) {
+            ivec2 corner = ivec2(at.x[j], at.y[row]);
+            lit[4 * row + j] = texelFetch(coarse_light, corner, 0);
+            tags[j] = lit[4 * row + j].a;
+            guide[j] = texelFetch(coarse_guide, corner, 0).r;
+        }
+        e[row] = eq1_exponents(
+            i, unpacked_guides(guide, vec4(at.x), vec4(at.y[row]), tags, own_tag));
+        least = min(least, least_counting(e[row], at.fx * at.fy[row]));
+    }
+    Eq1 found;
+    found.light = vec3(0.0);
+    float sum = 0.0;
+    for (int row = 0; row < 4; ++row) {
+        vec4 w = at.fx * at.fy[row] * exp2(min(least - e[row], 0.0));
+        for (int j = 0; j < 4; ++j) found.light += w[j] * lit[4 * row + j].rgb;
+        sum += w.x + w.y + w.z + w.w;
+    }
+    found.light /= sum;
+    found.bits = least - log2(sum);
     return found;
 }

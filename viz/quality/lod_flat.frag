@@ -12,6 +12,5 @@ layout(set = 0, binding = 2) uniform sampler2D albedo;
 // Where all coarse neighbours are of one surface: no guides, only light.
 void main() {
     Footprint at = footprint_of(floor(gl_FragCoord.xy), p.coarse_of_fine, p.last);
-    put(tent_light(coarse_light, at), texelFetch(albedo, ivec2(gl_FragCoord.xy), 0), vec4(0.0),
-        vec4(0.25));
+    put(tent_light(coarse_light, at), texelFetch(albedo, ivec2(gl_FragCoord.xy), 0), 0.0);
 }

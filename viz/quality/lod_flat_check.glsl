@@ -12,5 +12,5 @@ void main() {
     CoarseGuides j = unpacked_guides(uvec4(guide), vec4(nearest.x), vec4(nearest.y), vec4(tag),
                                      fine_tag(here));
     put(tent_light(coarse_light, at), texelFetch(albedo, here, 0),
-        eq1_exponents(fine_guide(here), j), vec4(0.25));
+        eq1_exponents(fine_guide(here), j).x);
 }

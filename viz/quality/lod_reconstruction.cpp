@@ -97,7 +97,8 @@ struct Upsampling {
     /// Specialisation of the kernels that know guides.
     [[nodiscard]] std::vector<std::uint32_t> guided_constants() const {
         return {options.fine_grained ? 1u : 0u, keeps_background() ? 1u : 0u,
-                static_cast<std::uint32_t>(options.metric), doubt.valid() ? 1u : 0u};
+                static_cast<std::uint32_t>(options.metric), doubt.valid() ? 1u : 0u,
+                static_cast<std::uint32_t>(options.kernel)};
     }
     [[nodiscard]] std::vector<VkFormat> formats() const {
         std::vector<VkFormat> formats = {kLodLinearFormat};
@@ -304,7 +305,8 @@ Kernel kernel_of(const FramebufferLodOptions& options) {
         return options.fine_grained ? Kernel::flat : Kernel::bilinear;
     }
     if (options.format == LodFormat::wide) return Kernel::wide;
-    return options.flat_tolerance > 0 ? Kernel::tiles : Kernel::edges;
+    const bool tiles = options.flat_tolerance > 0 && options.kernel == LodKernel::tent;
+    return tiles ? Kernel::tiles : Kernel::edges;
 }
 
 void add_up(FrameGraph& graph, Upsampling& up, Kernel kernel) {

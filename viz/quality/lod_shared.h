@@ -15,6 +15,9 @@ const float kGuideMostSteps = 65534.0f;
 const float kGuideLeastTowards = 0.35f;
 const float kGuideNormalSteps = 44.0f;  // per unit of n.x / n.z: 1 / 0.35 reaches 126
 
+// Of the spatial kernel over 4x4 coarse pixels, in coarse pixels.
+const float kGaussSigma = 0.7f;
+
 struct LodPickParams {
     vec4 fine_k;    // 1/fx, 1/fy, cx, cy of the fine view
     vec4 coarse_k;  // and of the coarse one

@@ -28,20 +28,43 @@ const float kFarthest = 1e4;
 const float kOtherObject = 1e4;
 const float kNothing = 2e4;
 
-// Weights of the range filter by the squared distances `e` (in units of their logarithm to base
-// 2). The nearest sample that counts has 1: where all are far, it alone is left.
-vec4 range_weights(vec4 e, vec4 f) {
-    vec4 counting = mix(vec4(1e30), e, greaterThanEqual(f, vec4(1e-3)));
-    float least = min(min(counting.x, counting.y), min(counting.z, counting.w));
-    return f * exp2(min(least - e, 0.0));
+// The 4x4 coarse pixels around a fine one and their weights along either axis, a Gaussian's.
+struct Footprint4 {
+    ivec4 x, y;  // inside the picture
+    vec4 fx, fy;
+};
+vec4 gauss_along(float t) {
+    vec4 d = t + vec4(1.0, 0.0, -1.0, -2.0);
+    vec4 f = exp2(d * d * (-0.72134752 / (kGaussSigma * kGaussSigma)));
+    return f / (f.x + f.y + f.z + f.w);
+}
+Footprint4 footprint4_of(vec2 fine, vec4 coarse_of_fine, ivec2 last) {
+    vec2 x = fine * coarse_of_fine.xy + coarse_of_fine.zw;
+    vec2 base = floor(x);
+    ivec2 b = ivec2(base);
+    const ivec4 kSteps = ivec4(-1, 0, 1, 2);
+    return Footprint4(clamp(b.x + kSteps, ivec4(0), ivec4(last.x)),
+                      clamp(b.y + kSteps, ivec4(0), ivec4(last.y)), gauss_along(x.x - base.x),
+                      gauss_along(x.y - base.y));
 }
 
-// Doubt of viz/quality/lod_fix_shared.h over 255, from the same distances: the confidence is the
-// sum of the weights before the least distance was taken off.
-float doubt_of(vec4 e, vec4 f) {
+// Weights of the range filter by the squared distances `e` (in units of their logarithm to base
+// 2). The nearest sample that counts has 1: where all are far, it alone is left.
+float least_counting(vec4 e, vec4 f) {
     vec4 counting = mix(vec4(1e30), e, greaterThanEqual(f, vec4(1e-3)));
-    float least = min(min(counting.x, counting.y), min(counting.z, counting.w));
-    vec4 w = f * exp2(min(least - e, 0.0));
-    float bits = least - log2(w.x + w.y + w.z + w.w);
+    return min(min(counting.x, counting.y), min(counting.z, counting.w));
+}
+vec4 range_weights(vec4 e, vec4 f) {
+    return f * exp2(min(least_counting(e, f) - e, 0.0));
+}
+
+// -log2 of the confidence, the sum of the weights before the least distance was taken off.
+float doubt_bits(vec4 e, vec4 f) {
+    vec4 w = range_weights(e, f);
+    return least_counting(e, f) - log2(w.x + w.y + w.z + w.w);
+}
+
+// Doubt of viz/quality/lod_fix_shared.h over 255.
+float doubt_of(float bits) {
     return min(round(kDoubtSteps * sqrt(max(bits, 0.0))), kMostDoubt) / 255.0;
 }

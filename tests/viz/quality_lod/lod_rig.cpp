@@ -254,7 +254,8 @@ Image<glm::dvec3> lod_reference_picture(const LodScene& scene, const LodResult& 
         if (!scene.object.empty()) pixel.object = scene.object.pixels()[i];
     }
     const Projection& k = scene.view.projection;
-    const reference::LodRules rules{.metric = static_cast<reference::LodMetric>(options.metric),
+    const reference::LodRules rules{.gauss = options.kernel == LodKernel::gauss,
+                                    .metric = static_cast<reference::LodMetric>(options.metric),
                                     .sigma_z = options.sigma_z,
                                     .sigma_n = options.sigma_n,
                                     .fine_grained = options.fine_grained,
