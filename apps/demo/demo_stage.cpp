@@ -5,6 +5,7 @@
 #include "apps/demo/demo_state.h"
 #include "apps/demo/easing.h"
 #include "apps/stage/cutout.h"
+#include "apps/stage/outline.h"
 #include "apps/stage/placing.h"
 
 namespace kino {
@@ -135,7 +136,10 @@ void DemoPlay::State::cut_people(const DemoMoment& moment) {
         if (file.show == SceneShow::people) {
             std::optional<double> floor_y_m;
             if (found_person) floor_y_m = stands.translation.y;
-            cut = cut_out_people(*cut, bodies, file.margin_m, world_from_depth, floor_y_m);
+            const int outline_px =
+                file.smooth_outline ? outline_radius_px(cut->depth_m.width()) : 0;
+            cut = cut_out_people(*cut, bodies, file.margin_m, world_from_depth, floor_y_m,
+                                 outline_px);
         }
     }
     const Pose previous = live ? live->previous_world_from_depth : world_from_depth;

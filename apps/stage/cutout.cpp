@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "apps/stage/outline.h"
+
 namespace kino {
 namespace {
 
@@ -213,7 +215,8 @@ void grow_from_bones(const Image<float>& depth_m, double focal_px, Image<std::ui
 std::shared_ptr<const DepthSurface> cut_out_people(const DepthSurface& surface,
                                                    const BodyFrame& bodies, double margin_m,
                                                    const Pose& world_from_depth,
-                                                   std::optional<double> floor_y_m) {
+                                                   std::optional<double> floor_y_m,
+                                                   int outline_px) {
     const int width = surface.depth_m.width(), height = surface.depth_m.height();
     const Image<RayXy>& rays = *surface.rays;
     const Blocks blocks(rays, width, height);
@@ -241,6 +244,7 @@ std::shared_ptr<const DepthSurface> cut_out_people(const DepthSurface& surface,
     for (std::size_t i = 0; i < state.size(); ++i) {
         if (state.pixels()[i] != 2) cut->depth_m.pixels()[i] = 0;
     }
+    smooth_outline(*cut, outline_px);
     return cut;
 }
 

@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "apps/stage/cutout.h"
+#include "apps/stage/outline.h"
 
 namespace kino {
 namespace {
@@ -31,8 +32,10 @@ void SceneBuilder::show_cut_out(const ProcessedFrame& frame) {
                !frame.set.bodies->bodies.empty()) {
         std::optional<double> floor_y_m;
         if (director_->found_person()) floor_y_m = director_->world_from_stage()->translation.y;
+        const int outline_px =
+            live.smooth_outline ? outline_radius_px(frame.surface->depth_m.width()) : 0;
         scene_.live->surface = cut_out_people(*frame.surface, *frame.set.bodies, live.margin_m,
-                                              frame.set.world_from_depth, floor_y_m);
+                                              frame.set.world_from_depth, floor_y_m, outline_px);
     }
 }
 

@@ -209,6 +209,7 @@ void visit(V& v, SceneLive& s) {
     v.integer("splat_px", s.splat_px, 1, 32, "largest point of a cloud");
     v.number("margin_m", s.margin_m, 0.02, 1, "that flesh stands off the bones");
     v.flag("casts_shadows", s.casts_shadows, "from lights with shadows");
+    v.flag("smooth_outline", s.smooth_outline, "of people who are cut out");
 }
 
 template <class V>

@@ -178,6 +178,7 @@ struct SceneLive {
     int splat_px = 3;
     double margin_m = 0.16;  ///< that flesh and clothes stand off the bones
     bool casts_shadows = false;
+    bool smooth_outline = true;  ///< of people who are cut out
     friend bool operator==(const SceneLive&, const SceneLive&) = default;
 };
 
