@@ -145,12 +145,17 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                                        .bounces = options.bounces,
                                        .lod = options.lod,
                                        .rates = options.part_rates,
+                                       .finish = LodFinish{.target = picture,
+                                                           .exposure = scene.exposure,
+                                                           .tone_map = wants_tone_map(scene)},
                                        .read_ids = options.read_surface,
                                        .samples = options.samples,
                                        .resolve = options.resolve});
         surface = stage.surface;
         fix_state = stage.fixed.state;
-        picture = add_final_pass(graph, scene, stage.linear, picture, stage.emitting);
+        picture = stage.picture.valid()
+                      ? stage.picture
+                      : add_final_pass(graph, scene, stage.linear, picture, stage.emitting);
     } else if (live) {
         // Without light the surface's colour is the picture, so it is drawn straight into it.
         surface.albedo =

@@ -75,8 +75,12 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                .emission = !emits_apart});
     };
     if (coarse) {
-        stage.linear = add_reconstruction(graph, shade(coarse->surface, coarse->view), *coarse,
-                                          surface, view, *lod, &stage.fixed);
+        const bool drawn_over = wants_blended(scene) || (opaque_kinds(scene) & kForwardKinds) != 0;
+        const bool resized = coarse->view.width != view.width || coarse->view.height != view.height;
+        const bool finishes = options.finish && resized && !fixes && !emits_apart && !drawn_over;
+        (finishes ? stage.picture : stage.linear) = add_reconstruction(
+            graph, shade(coarse->surface, coarse->view), *coarse, surface, view, *lod, &stage.fixed,
+            finishes ? &*options.finish : nullptr);
         if (stage.fixed.valid()) {
             const PixelList list{stage.fixed.pixels, stage.fixed.state, stage.fixed.cap};
             const graph::BufferId masks = add_listed_shadows(
@@ -90,7 +94,6 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                           list, stage.linear);
         }
         // What is drawn over it needs it; else the last pass adds it on the way.
-        const bool drawn_over = wants_blended(scene) || (opaque_kinds(scene) & kForwardKinds) != 0;
         if (emits_apart && !drawn_over) {
             stage.emitting = surface.object;
         } else if (emits_apart) {

@@ -31,6 +31,9 @@ struct StageOptions {
     /// Parts of the light that are shaded coarser or finer than `lod` says, or without it; not with
     /// four samples forward.
     PartRates rates;
+    /// Set: a coarse picture may be finished on its way to full size, where nothing is drawn over
+    /// it or added to it.
+    std::optional<LodFinish> finish;
     bool read_ids = false;  ///< the surface gets ids
     /// 4: meshes are shaded forward with four samples a pixel (multisampled_stage.h); not with lod.
     std::uint32_t samples = 1;
@@ -40,6 +43,8 @@ struct StageOptions {
 /// What a staged picture was made from, for readers after it.
 struct Stage {
     graph::TextureId linear;  ///< scene-linear light, RGBA16F
+    /// Valid: StageOptions::finish's target, finished; there is no linear one then.
+    graph::TextureId picture;
     /// Valid: objects whose emission is not in `linear` yet (add_final_pass takes it).
     graph::TextureId emitting;
     SurfaceTargets surface;

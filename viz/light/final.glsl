@@ -1,6 +1,4 @@
-#include "viz/light/light_shared.h"
-#include "viz/light/color.glsl"
-#include "viz/light/shade.glsl"
+#include "viz/light/final_color.glsl"
 layout(push_constant, scalar) uniform Push { FinalParams p; };
 layout(set = 0, binding = 0) uniform sampler2D scene_linear;
 #ifdef KINO_EMISSION
@@ -19,9 +17,5 @@ void main() {
     // What emits nothing keeps its alpha: backgrounds are not exposed.
     scene += vec4(emitted, any(greaterThan(emitted, vec3(0.0))) ? 1.0 : 0.0);
 #endif
-    vec3 c = scene.rgb * (scene.a > 0.0 ? p.exposure : 1.0);
-    if (p.tone_map != 0u && scene.a > 0.0) c = roll_off(c);
-    // Interleaved gradient noise (Jimenez 2014) hides the steps of 8 bits; half a step at most.
-    float noise = fract(52.9829189 * fract(dot(vec2(at), vec2(0.06711056, 0.00583715))));
-    out_srgb = vec4(to_srgb(c) + (noise - 0.5) / 255.0, 1.0);
+    out_srgb = final_color(scene, at, p);
 }

@@ -128,13 +128,17 @@ graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scen
     return lit;
 }
 
+bool wants_tone_map(const Scene& scene) {
+    return scene.color_mode != ColorMode::captured;
+}
+
 graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,
                                 graph::TextureId scene_linear, graph::TextureId target,
                                 graph::TextureId emitting) {
     const MaterialBuffers materials =
         emitting.valid() ? add_material_upload(graph, scene) : MaterialBuffers{};
     const shared::FinalParams params{.exposure = scene.exposure,
-                                     .tone_map = scene.color_mode == ColorMode::captured ? 0u : 1u};
+                                     .tone_map = wants_tone_map(scene) ? 1u : 0u};
     const auto execute = [=](PassContext& c) {
         gpu::PipelineDesc desc;
         const bool emits = emitting.valid();

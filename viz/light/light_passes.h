@@ -24,6 +24,9 @@ constexpr VkFormat kSceneLinearFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 [[nodiscard]] graph::BufferId add_point_light_pass(graph::FrameGraph& graph, const Scene& scene,
                                                    const View& view, const DepthPassInputs& inputs);
 
+/// True where highlights roll off; captured colours stay what they are.
+[[nodiscard]] bool wants_tone_map(const Scene& scene);
+
 /// Exposure, tone map, sRGB, dither, into `target`; returns its new id. `emitting`, where valid:
 /// the picture's objects (SurfaceTargets::object), whose materials' emission is added before.
 [[nodiscard]] graph::TextureId add_final_pass(graph::FrameGraph& graph, const Scene& scene,

@@ -12,9 +12,4 @@ vec3 light_at(LightRecord light, vec3 q, vec3 n) {
     return light.color * towards * (light.kind == 2u ? falloff * cone * cone : falloff);
 }
 
-// Linear up to 0.7, then a hyperbola that reaches 1 at infinity with the same slope.
-vec3 roll_off(vec3 c) {
-    const float kKnee = 0.7;
-    vec3 over = max(c - kKnee, 0.0);
-    return min(c, kKnee) + (1.0 - kKnee) * over / (over + (1.0 - kKnee));
-}
+#include "viz/light/roll_off.glsl"

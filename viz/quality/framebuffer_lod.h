@@ -97,6 +97,14 @@ struct LodFixList {
     [[nodiscard]] bool valid() const { return pixels.valid(); }
 };
 
+/// How a picture that is brought to full size is finished on the way, as add_final_pass()
+/// (viz/light/light_passes.h) would do it afterwards.
+struct LodFinish {
+    graph::TextureId target;  ///< of the fine size, RGBA8 or BGRA8; all of it is written
+    float exposure = 1;
+    bool tone_map = true;
+};
+
 /// Brings `coarse_linear` (RGBA16F, shaded from `coarse`) to the size of the fine surface: RGBA16F,
 /// alpha that of the fine albedo. With sigma_z finite, pixels whose albedo has alpha 0 (nothing
 /// there) keep their own colour, made linear. Different objects do not mix (packed: objects whose
@@ -104,12 +112,11 @@ struct LodFixList {
 /// With the fine size: no pass, `coarse_linear` itself. With `fix` and fix_share above 0, *fix
 /// becomes the list of pixels whose confidence, the sum of Eq. 1's weights, is below
 /// fix_confidence; the most doubtful of them where there are too many. The picture can then be
-/// written by compute shaders.
-[[nodiscard]] graph::TextureId add_reconstruction(graph::FrameGraph& graph,
-                                                  graph::TextureId coarse_linear,
-                                                  const CoarseSurface& coarse,
-                                                  const SurfaceTargets& fine, const View& view,
-                                                  const FramebufferLodOptions& options,
-                                                  LodFixList* fix = nullptr);
+/// written by compute shaders. With `finish` (not where a list is wanted) the picture goes there,
+/// finished, and its id is returned; no linear one is made.
+[[nodiscard]] graph::TextureId add_reconstruction(
+    graph::FrameGraph& graph, graph::TextureId coarse_linear, const CoarseSurface& coarse,
+    const SurfaceTargets& fine, const View& view, const FramebufferLodOptions& options,
+    LodFixList* fix = nullptr, const LodFinish* finish = nullptr);
 
 }  // namespace kino

@@ -4,9 +4,13 @@
 #include "viz/quality/lod_shared.h"
 #include "viz/quality/lod_color.glsl"
 #include "viz/quality/lod_up.glsl"
-layout(push_constant, scalar) uniform Push { LodParams p; };
+#include "viz/light/final_color.glsl"
+layout(push_constant, scalar) uniform Push {
+    LodParams p;
+    FinalParams final_params;
+};
 layout(set = 0, binding = 0) uniform sampler2D coarse_linear;
-layout(location = 0) out vec4 out_linear;
+#include "viz/quality/lod_constants.glsl"
 
 // Plain bilinear resizing, which knows nothing of edges: the rival.
 void main() {
@@ -15,5 +19,5 @@ void main() {
                      texelFetch(coarse_linear, ivec2(at.b.x, at.a.y), 0), at.t.x);
     vec4 lower = mix(texelFetch(coarse_linear, ivec2(at.a.x, at.b.y), 0),
                      texelFetch(coarse_linear, at.b, 0), at.t.x);
-    out_linear = mix(upper, lower, at.t.y);
+    put_linear(mix(upper, lower, at.t.y));
 }

@@ -4,6 +4,7 @@
 
 #include "base/check.h"
 #include "viz/graph/executor.h"
+#include "viz/light/light_shared.h"
 #include "viz/quality/framebuffer_lod.h"
 #include "viz/quality/lod_passes.h"
 #include "viz/quality/lod_shared.h"
@@ -74,6 +75,13 @@ float range_weight(float sigma) {
     return std::isinf(sigma) ? 0.0f : 1.0f / (2 * sigma * sigma * kLn2);
 }
 
+/// Push constants of the kernels that make the picture.
+struct UpParams {
+    shared::LodParams lod;
+    shared::FinalParams finish;
+};
+static_assert(sizeof(UpParams) == sizeof(shared::LodParams) + sizeof(shared::FinalParams));
+
 /// All that the passes of one reconstruction share.
 struct Upsampling {
     TextureId linear;  ///< as shaded
@@ -84,6 +92,8 @@ struct Upsampling {
     TextureId doubt;  ///< valid: pixels are to be listed
     FramebufferLodOptions options;
     shared::LodParams params;
+    shared::FinalParams finish;
+    bool finishes = false;  ///< the picture leaves ready to be shown
     shared::LodTileParams tiles;
     bool has_object = false;
     // Where tiles are told apart:
@@ -94,14 +104,18 @@ struct Upsampling {
 
     [[nodiscard]] bool keeps_background() const { return params.z_weight > 0; }
     [[nodiscard]] std::uint32_t tile_count() const { return tiles.tiles.x * tiles.tiles.y; }
-    /// Specialisation of the kernels that know guides.
-    [[nodiscard]] std::vector<std::uint32_t> guided_constants() const {
-        return {options.fine_grained ? 1u : 0u, keeps_background() ? 1u : 0u,
-                static_cast<std::uint32_t>(options.metric), doubt.valid() ? 1u : 0u,
-                static_cast<std::uint32_t>(options.kernel)};
+    /// Specialisation of all kernels.
+    [[nodiscard]] std::vector<std::uint32_t> constants() const {
+        return {options.fine_grained ? 1u : 0u,
+                keeps_background() ? 1u : 0u,
+                static_cast<std::uint32_t>(options.metric),
+                doubt.valid() ? 1u : 0u,
+                static_cast<std::uint32_t>(options.kernel),
+                finishes ? 1u : 0u};
     }
-    [[nodiscard]] std::vector<VkFormat> formats() const {
-        std::vector<VkFormat> formats = {kLodLinearFormat};
+    [[nodiscard]] UpParams push() const { return {params, finish}; }
+    [[nodiscard]] std::vector<VkFormat> formats(const PassContext& c) const {
+        std::vector<VkFormat> formats = {c.desc(out).format};
         if (doubt.valid()) formats.push_back(kDoubtFormat);
         return formats;
     }
@@ -212,15 +226,15 @@ void add_tiles(FrameGraph& graph, Upsampling& up) {
 void draw_flat(PassContext& c, const Upsampling& up) {
     const bool runs = up.flat_runs.valid();
     gpu::PipelineDesc desc =
-        fragment_pipeline(runs ? "lod/flat tiles" : "lod/flat", kLodFlat, 3, sizeof(up.params));
+        fragment_pipeline(runs ? "lod/flat tiles" : "lod/flat", kLodFlat, 3, sizeof(UpParams));
     if (runs) desc.vertex = kLodRunsVertex;
     desc.bindings[0] = gpu::Binding::storage;
-    desc.constants = {up.options.fine_grained ? 1u : 0u, up.keeps_background() ? 1u : 0u};
-    desc.color_formats = {kLodLinearFormat};
+    desc.constants = up.constants();
+    desc.color_formats = up.formats(c);
     const gpu::Bound rectangles =
         runs ? c.bound(up.flat_runs) : c.upload(&up.params, sizeof(up.params));
     if (!c.bind(desc, {rectangles, c.bound(up.light), c.bound(up.fine.albedo)})) return;
-    c.commands().constants(up.params);
+    c.commands().constants(up.push());
     if (runs) {
         c.commands().draw_indirect(c.buffer(up.draws));
     } else {
@@ -234,13 +248,13 @@ void draw_guided(PassContext& c, const Upsampling& up, const char* name,
                  BufferId rectangles, std::size_t command) {
     const bool runs = rectangles.valid();
     gpu::PipelineDesc desc = fragment_pipeline(name, up.has_object ? with_objects : plain,
-                                               up.has_object ? 7 : 6, sizeof(up.params));
+                                               up.has_object ? 7 : 6, sizeof(UpParams));
     if (runs) desc.name += " tiles";
     if (up.has_object) desc.name += " with objects";
     if (runs) desc.vertex = kLodRunsVertex;
     desc.bindings[0] = gpu::Binding::storage;
-    desc.constants = up.guided_constants();
-    desc.color_formats = up.formats();
+    desc.constants = up.constants();
+    desc.color_formats = up.formats(c);
     std::vector<gpu::Bound> inputs = {
         runs ? c.bound(rectangles) : c.upload(&up.params, sizeof(up.params)),
         c.bound(up.light),
@@ -250,7 +264,7 @@ void draw_guided(PassContext& c, const Upsampling& up, const char* name,
         c.bound(up.fine.normal)};
     if (up.has_object) inputs.push_back(c.bound(up.fine.object));
     if (!c.bind(desc, inputs)) return;
-    c.commands().constants(up.params);
+    c.commands().constants(up.push());
     if (runs) {
         c.commands().draw_indirect(c.buffer(up.draws), command);
     } else {
@@ -272,10 +286,10 @@ void draw_flat_checked(PassContext& c, const Upsampling& up) {
 void draw_wide(PassContext& c, const Upsampling& up) {
     gpu::PipelineDesc desc = fragment_pipeline(
         "lod/wide", up.has_object ? std::span<const std::uint32_t>(kLodWideObject) : kLodWide,
-        up.has_object ? 9 : 7, sizeof(up.params));
+        up.has_object ? 9 : 7, sizeof(UpParams));
     if (up.has_object) desc.name += " with objects";
-    desc.constants = up.guided_constants();
-    desc.color_formats = up.formats();
+    desc.constants = up.constants();
+    desc.color_formats = up.formats(c);
     const SurfaceTargets& coarse = up.coarse.surface;
     std::vector<gpu::Bound> inputs = {c.bound(up.linear),      c.bound(coarse.albedo),
                                       c.bound(coarse.view_z),  c.bound(coarse.normal),
@@ -286,15 +300,16 @@ void draw_wide(PassContext& c, const Upsampling& up) {
         inputs.push_back(c.bound(up.fine.object));
     }
     if (!c.bind(desc, inputs)) return;
-    c.commands().constants(up.params);
+    c.commands().constants(up.push());
     c.commands().draw(3);
 }
 
 void draw_bilinear(PassContext& c, const Upsampling& up) {
-    gpu::PipelineDesc desc = fragment_pipeline("lod/bilinear", kLodBilinear, 1, sizeof(up.params));
-    desc.color_formats = {kLodLinearFormat};
+    gpu::PipelineDesc desc = fragment_pipeline("lod/bilinear", kLodBilinear, 1, sizeof(UpParams));
+    desc.constants = up.constants();
+    desc.color_formats = up.formats(c);
     if (!c.bind(desc, {c.bound(up.linear)})) return;
-    c.commands().constants(up.params);
+    c.commands().constants(up.push());
     c.commands().draw(3);
 }
 
@@ -360,7 +375,7 @@ void add_up(FrameGraph& graph, Upsampling& up, Kernel kernel) {
 graph::TextureId add_reconstruction(graph::FrameGraph& graph, graph::TextureId coarse_linear,
                                     const CoarseSurface& coarse, const SurfaceTargets& fine,
                                     const View& view, const FramebufferLodOptions& options,
-                                    LodFixList* fix) {
+                                    LodFixList* fix, const LodFinish* finish) {
     if (coarse.view.width == view.width && coarse.view.height == view.height) return coarse_linear;
     const auto width = static_cast<std::uint32_t>(view.width);
     const auto height = static_cast<std::uint32_t>(view.height);
@@ -393,8 +408,15 @@ graph::TextureId add_reconstruction(graph::FrameGraph& graph, graph::TextureId c
                 .normal_steps = std::min(
                     kMost, options.flat_tolerance * options.sigma_n * shared::kGuideNormalSteps)};
     const bool fixes = fix != nullptr && wants_fixes(options);
-    up.out =
-        graph.create_texture("reconstructed, linear", {width, height, kLodLinearFormat, 1, fixes});
+    if (finish != nullptr) {
+        KINO_CHECK(!fixes);
+        up.finishes = true;
+        up.out = finish->target;
+        up.finish = {.exposure = finish->exposure, .tone_map = finish->tone_map ? 1u : 0u};
+    } else {
+        up.out = graph.create_texture("reconstructed, linear",
+                                      {width, height, kLodLinearFormat, 1, fixes});
+    }
     if (fixes) up.doubt = graph.create_texture("doubt", {width, height, kDoubtFormat});
 
     const Kernel kernel = kernel_of(options);

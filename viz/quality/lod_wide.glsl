@@ -3,7 +3,11 @@
 #include "viz/quality/lod_color.glsl"
 #include "viz/quality/lod_guide.glsl"
 #include "viz/quality/lod_up.glsl"
-layout(push_constant, scalar) uniform Push { LodParams p; };
+#include "viz/light/final_color.glsl"
+layout(push_constant, scalar) uniform Push {
+    LodParams p;
+    FinalParams final_params;
+};
 #include "viz/quality/lod_constants.glsl"
 #include "viz/quality/lod_eq1.glsl"
 layout(set = 0, binding = 0) uniform sampler2D coarse_linear;

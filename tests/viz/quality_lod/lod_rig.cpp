@@ -9,6 +9,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "tests/viz/host_copies.h"
+#include "viz/light/light_passes.h"
 
 namespace kino::test {
 namespace {
@@ -120,17 +121,71 @@ double from_srgb(double c) {
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
-LodResult LodRig::run(const LodScene& scene, const FramebufferLodOptions& options,
-                      const LodShading& shading) {
-    Frame frame{device_, FrameGraph(executor_.history()), {}};
-    FrameGraph& graph = frame.graph;
+SurfaceTargets LodRig::fine_surface(Frame& frame, const LodScene& scene) {
     SurfaceTargets fine{.albedo = frame.texture(scene.albedo, VK_FORMAT_R8G8B8A8_UNORM),
                         .view_z = frame.texture(scene.z, kViewZFormat),
                         .normal = frame.texture(scene.normal, kNormalFormat),
                         .id = {},
                         .object = {}};
     if (!scene.object.empty()) fine.object = frame.texture(scene.object, VK_FORMAT_R32_UINT);
+    return fine;
+}
 
+Image<std::uint64_t> LodRig::shade(const LodScene& scene, const View& coarse,
+                                   const FramebufferLodOptions& options,
+                                   const LodShading& shading) {
+    Image<std::uint64_t> linear(coarse.width, coarse.height);
+    for (int y = 0; y < coarse.height; ++y) {
+        for (int x = 0; x < coarse.width; ++x) {
+            const Rgba8 c =
+                scene.albedo.at(reference::lod_texel(x, scene.view.width, coarse.width),
+                                reference::lod_texel(y, scene.view.height, coarse.height));
+            const auto part = [&](std::uint8_t v) {
+                return from_srgb(picked_byte(v, options.fine_grained) / 255.0);
+            };
+            linear.at(x, y) = glm::packHalf4x16(shading(x, y, {part(c.r), part(c.g), part(c.b)}));
+        }
+    }
+    return linear;
+}
+
+LodRig::Finished LodRig::finish(const LodScene& scene, const FramebufferLodOptions& options,
+                                const LodShading& shading, const Scene& rules) {
+    Frame frame{device_, FrameGraph(executor_.history()), {}};
+    FrameGraph& graph = frame.graph;
+    const SurfaceTargets fine = fine_surface(frame, scene);
+    const CoarseSurface coarse = add_coarse_surface(graph, fine, scene.view, options);
+    const TextureId shaded =
+        frame.texture(shade(scene, coarse.view, options, shading), VK_FORMAT_R16G16B16A16_SFLOAT);
+    const auto target = [&] {
+        return graph.create_texture(
+            "target", {static_cast<std::uint32_t>(scene.view.width),
+                       static_cast<std::uint32_t>(scene.view.height), VK_FORMAT_R8G8B8A8_UNORM});
+    };
+    const TextureId linear = add_reconstruction(graph, shaded, coarse, fine, scene.view, options);
+    const gpu::Buffer* apart = frame.read_back(add_final_pass(graph, rules, linear, target()), 4);
+    const LodFinish finish{
+        .target = target(), .exposure = rules.exposure, .tone_map = wants_tone_map(rules)};
+    const gpu::Buffer* fused = frame.read_back(
+        add_reconstruction(graph, shaded, coarse, fine, scene.view, options, nullptr, &finish), 4);
+    Finished finished;
+    const auto report = executor_.run(graph, graph::Timing::frame);
+    if (!report) {
+        ADD_FAILURE() << report.error().to_string();
+        return finished;
+    }
+    for (auto [from, to] : {std::pair(apart, &finished.apart), {fused, &finished.on_the_way}}) {
+        to->resize(scene.view.width, scene.view.height);
+        std::memcpy(to->data(), from->mapped(), to->size() * 4);
+    }
+    return finished;
+}
+
+LodResult LodRig::run(const LodScene& scene, const FramebufferLodOptions& options,
+                      const LodShading& shading) {
+    Frame frame{device_, FrameGraph(executor_.history()), {}};
+    FrameGraph& graph = frame.graph;
+    const SurfaceTargets fine = fine_surface(frame, scene);
     const CoarseSurface coarse = add_coarse_surface(graph, fine, scene.view, options);
     LodResult result;
     result.coarse_view = coarse.view;
@@ -138,18 +193,10 @@ LodResult LodRig::run(const LodScene& scene, const FramebufferLodOptions& option
     const int height = coarse.view.height;
     result.direct = coarse.surface.albedo.index == fine.albedo.index;
 
-    Image<std::uint64_t> linear(width, height);
+    const Image<std::uint64_t> linear = shade(scene, coarse.view, options, shading);
     result.coarse.resize(width, height);
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            const Rgba8 c = scene.albedo.at(reference::lod_texel(x, scene.view.width, width),
-                                            reference::lod_texel(y, scene.view.height, height));
-            const auto part = [&](std::uint8_t v) {
-                return from_srgb(picked_byte(v, options.fine_grained) / 255.0);
-            };
-            linear.at(x, y) = glm::packHalf4x16(shading(x, y, {part(c.r), part(c.g), part(c.b)}));
-            result.coarse.at(x, y) = glm::unpackHalf4x16(linear.at(x, y));
-        }
+    for (std::size_t i = 0; i < linear.size(); ++i) {
+        result.coarse.pixels()[i] = glm::unpackHalf4x16(linear.pixels()[i]);
     }
     const TextureId shaded = frame.texture(linear, VK_FORMAT_R16G16B16A16_SFLOAT);
     LodFixList fix;

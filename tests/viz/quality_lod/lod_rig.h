@@ -10,6 +10,7 @@
 #include "viz/graph/executor.h"
 #include "viz/quality/framebuffer_lod.h"
 #include "viz/quality/lod_fix_shared.h"
+#include "viz/scene/scene.h"
 
 namespace kino::test {
 
@@ -54,11 +55,23 @@ class LodRig {
         : device_(device), pipelines_(device), executor_(device, pipelines_) {}
     [[nodiscard]] LodResult run(const LodScene& scene, const FramebufferLodOptions& options,
                                 const LodShading& shading);
+    /// The picture finished by the last pass, and finished on the way.
+    struct Finished {
+        Image<Rgba8> apart;
+        Image<Rgba8> on_the_way;
+    };
+    [[nodiscard]] Finished finish(const LodScene& scene, const FramebufferLodOptions& options,
+                                  const LodShading& shading, const Scene& rules);
     [[nodiscard]] const gpu::Pipelines& pipelines() const { return pipelines_; }
     void set_poison(bool poisons) { executor_.set_poison(poisons); }
 
   private:
     struct Frame;
+    static SurfaceTargets fine_surface(Frame& frame, const LodScene& scene);
+    /// The coarse picture as the host shades it.
+    static Image<std::uint64_t> shade(const LodScene& scene, const View& coarse,
+                                      const FramebufferLodOptions& options,
+                                      const LodShading& shading);
     gpu::Device& device_;
     gpu::Pipelines pipelines_;
     graph::Executor executor_;
