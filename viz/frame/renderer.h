@@ -42,7 +42,8 @@ struct FrameOptions {
     BounceOptions bounces;  ///< of spotlights that ask for one bounce
     /// Set: light is worked out on a coarser surface, where the scene is staged (stage.h).
     std::optional<FramebufferLodOptions> lod;
-    PartRates part_rates;  ///< resizing of parts of the light (stage.h)
+    PartRates part_rates;                     ///< resizing of parts of the light (stage.h)
+    std::optional<RegionLodOptions> regions;  ///< resizing by tiles (stage.h)
     /// 4: scenes with meshes get smooth edges (multisampled_stage.h); not with lod. 1 costs
     /// nothing.
     std::uint32_t samples = 1;

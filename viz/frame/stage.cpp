@@ -58,10 +58,17 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
     const bool emits_apart =
         lod && lod->fine_grained && surface.object.valid() && wants_emission(scene);
+    const bool by_regions =
+        options.regions && allows_regions(lod.value_or(FramebufferLodOptions{}));
     RayShadows shadows;
     const auto shade = [&](const SurfaceTargets& at, const View& seen_from) {
+        const CoarseSurface base{.surface = at, .view = seen_from, .guide = {}};
+        if (by_regions) {
+            return add_region_light(graph, {scene, bounces, bvh, options}, stage.lists, base,
+                                    *options.regions, lod.value_or(FramebufferLodOptions{.r = 1}),
+                                    !emits_apart);
+        }
         if (levels.size() > 1) {
-            const CoarseSurface base{.surface = at, .view = seen_from, .guide = {}};
             return add_light_levels(graph, {scene, bounces, bvh, options}, base, levels,
                                     lod.value_or(FramebufferLodOptions{}), !emits_apart);
         }
@@ -105,7 +112,7 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     if ((opaque_kinds(scene) & kForwardKinds) != 0) {
         MeshLight light = make_mesh_light(graph, scene, view, stage.lists);
         // Masks of a coarse picture are of other pixels, those of one part of other lights.
-        if (!lod && levels.size() > 1) {
+        if (!lod && (by_regions || levels.size() > 1)) {
             shadows = add_ray_shadows(graph, scene, view,
                                       {.view_z = surface.view_z, .normal = surface.normal},
                                       stage.lists, bvh, options.shadows);

@@ -10,6 +10,7 @@
 #include "viz/light/multisample.h"
 #include "viz/light/ray_shadows.h"
 #include "viz/quality/framebuffer_lod.h"
+#include "viz/quality/lod_regions.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/view.h"
 #include "viz/surface/depth_rasterizer.h"
@@ -31,6 +32,9 @@ struct StageOptions {
     /// Parts of the light that are shaded coarser or finer than `lod` says, or without it; not with
     /// four samples forward.
     PartRates rates;
+    /// Set: light is coarser than `lod` says in tiles where that will do, with `lod` or without;
+    /// its parts are not told apart then.
+    std::optional<RegionLodOptions> regions;
     /// Set: a coarse picture may be finished on its way to full size, where nothing is drawn over
     /// it or added to it.
     std::optional<LodFinish> finish;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "viz/accel/scene_bvh.h"
 #include "viz/frame/stage.h"
 #include "viz/light/light_lists.h"
 #include "viz/light/light_parts.h"
 #include "viz/quality/framebuffer_lod.h"
+#include "viz/quality/lod_regions.h"
 
 namespace kino {
 
@@ -30,5 +32,15 @@ struct StageLighting {
                                                 const CoarseSurface& base,
                                                 std::span<const LightLevel> levels,
                                                 const FramebufferLodOptions& lod, bool emission);
+
+/// All light at the rate of `base`, or coarser by tiles (lod_regions.h): the coarsest surface is
+/// shaded in whole, and at each finer level what a list of tiles holds. `lists` must be of the base
+/// surface or a finer one. `chosen`, if not null: the lists of tiles, from coarse to fine.
+[[nodiscard]] graph::TextureId add_region_light(graph::FrameGraph& graph,
+                                                const StageLighting& lighting,
+                                                const LightLists& lists, const CoarseSurface& base,
+                                                const RegionLodOptions& regions,
+                                                const FramebufferLodOptions& lod, bool emission,
+                                                std::vector<LodRegionList>* chosen = nullptr);
 
 }  // namespace kino
