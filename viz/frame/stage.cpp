@@ -7,6 +7,7 @@
 #include "viz/frame/multisampled_stage.h"
 #include "viz/frame/stage_light.h"
 #include "viz/frame/stage_surface.h"
+#include "viz/frame/supersampled_stage.h"
 #include "viz/light/blended_pass.h"
 #include "viz/light/emission_pass.h"
 #include "viz/light/forward_pass.h"
@@ -33,8 +34,11 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
         return add_multisampled_stage(graph, scene, view, parts, options);
     }
     Stage stage;
+    SampleTargets samples;
     const DrawnSurface drawn =
-        add_surface(graph, scene, view, parts, options.raster, options.read_ids);
+        wants_edge_samples(scene, options)
+            ? add_sampled_surface(graph, scene, view, parts, options, &samples)
+            : add_surface(graph, scene, view, parts, options.raster, options.read_ids);
     stage.surface = drawn.surface;
     stage.depth = drawn.depth;
     const SurfaceTargets& surface = stage.surface;
@@ -54,7 +58,8 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                         options.lists, bounces)
                       : add_light_lists(graph, scene, view, surface.view_z, options.lists, bounces);
     SceneBvhPasses bvh;
-    if (wants_ray_shadows(scene)) bvh = parts.bvh.add(graph);
+    const bool rays = wants_ray_shadows(scene) && (options.lists.parts & kShadowedLights) != 0;
+    if (rays) bvh = parts.bvh.add(graph);
     // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
     const bool emits_apart =
         lod && lod->fine_grained && surface.object.valid() && wants_emission(scene);
@@ -82,12 +87,13 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                .emission = !emits_apart});
     };
     if (coarse) {
-        const bool drawn_over = wants_blended(scene) || (opaque_kinds(scene) & kForwardKinds) != 0;
+        const bool drawn_over =
+            wants_blended(scene) || samples.valid() || (opaque_kinds(scene) & kForwardKinds) != 0;
         const bool resized = coarse->view.width != view.width || coarse->view.height != view.height;
         const bool finishes = options.finish && resized && !fixes && !emits_apart && !drawn_over;
-        (finishes ? stage.picture : stage.linear) = add_reconstruction(
-            graph, shade(coarse->surface, coarse->view), *coarse, surface, view, *lod, &stage.fixed,
-            finishes ? &*options.finish : nullptr);
+        (finishes ? stage.picture : stage.linear) =
+            add_reconstruction(graph, shade(coarse->surface, coarse->view), *coarse, surface, view,
+                               *lod, &stage.fixed, finishes ? &*options.finish : nullptr);
         if (stage.fixed.valid()) {
             const PixelList list{stage.fixed.pixels, stage.fixed.state, stage.fixed.cap};
             const graph::BufferId masks = add_listed_shadows(
@@ -122,6 +128,10 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
             graph, scene, view, parts.meshes, light, kForwardKinds, {stage.linear, stage.depth});
         stage.linear = drawn_over.linear;
         stage.depth = drawn_over.depth;
+    }
+    if (samples.valid()) {
+        stage.linear =
+            add_edge_samples(graph, scene, view, samples, surface, stage.linear, options);
     }
     if (wants_blended(scene)) {
         LightListOptions lists = options.lists;

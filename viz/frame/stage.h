@@ -39,9 +39,12 @@ struct StageOptions {
     /// it or added to it.
     std::optional<LodFinish> finish;
     bool read_ids = false;  ///< the surface gets ids
-    /// 4: meshes are shaded forward with four samples a pixel (multisampled_stage.h); not with lod.
+    /// 4: meshes are shaded forward with four samples a pixel (multisampled_stage.h). Together with
+    /// lod, whose r may be 1: light is worked out as with one sample, and edges are smoothed from
+    /// what is there (supersampled_stage.h).
     std::uint32_t samples = 1;
     SampleResolve resolve = SampleResolve::as_shown;
+    float edge_share = 0.25f;  ///< with lod and samples: at most this share of the picture is edge
 };
 
 /// What a staged picture was made from, for readers after it.

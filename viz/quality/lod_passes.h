@@ -3,6 +3,7 @@
 #include <array>
 #include <glm/vec4.hpp>
 #include <span>
+#include <string>
 
 #include "viz/graph/executor.h"
 #include "viz/quality/framebuffer_lod.h"
@@ -21,5 +22,11 @@ constexpr int kLodTilePx = 16;
 /// Lists the doubtful pixels (`doubt`: R8, lod_fix_shared.h) of a picture of the view's size.
 [[nodiscard]] LodFixList add_fix_list(graph::FrameGraph& graph, graph::TextureId doubt,
                                       const View& view, const FramebufferLodOptions& options);
+
+/// The list itself: pixels whose number in `rank` (R8, whole numbers to 63) is at least `least`, at
+/// most this share of the picture, the highest first. `name` is what its six passes begin with.
+[[nodiscard]] LodFixList add_pixel_list(graph::FrameGraph& graph, const std::string& name,
+                                        graph::TextureId rank, const View& view, float share,
+                                        std::uint32_t least);
 
 }  // namespace kino

@@ -6,8 +6,7 @@
 #include <glm/packing.hpp>
 
 #include "tests/reference/light_reference.h"
-#include "tests/viz/forward/solid_scene.h"
-#include "tests/viz/viz_fixture.h"
+#include "tests/viz/forward/picture_test.h"
 
 namespace kino::test {
 namespace {
@@ -20,16 +19,10 @@ using ::testing::Not;
 constexpr int kWidth = 80;
 constexpr int kHeight = 56;
 
-class KindsTest : public VizTest {
+class KindsTest : public PictureTest {
   protected:
-    static Renderer& renderer() {
-        static auto* made = new Renderer(device());
-        return *made;
-    }
     static FrameResult draw(const Scene& scene, const FrameOptions& options = {}) {
-        auto frame = renderer().render_to_image(scene, solid_view(kWidth, kHeight), options);
-        EXPECT_TRUE(frame) << (frame ? "" : frame.error().to_string());
-        return frame ? std::move(*frame) : FrameResult{};
+        return PictureTest::draw(scene, solid_view(kWidth, kHeight), options);
     }
 };
 

@@ -1,0 +1,197 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "tests/viz/forward/picture_test.h"
+
+namespace kino::test {
+namespace {
+
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr int kWide = 256;
+constexpr int kHigh = 192;
+constexpr int kFiner = 8;  // along each side of the reference
+
+using SupersamplingTest = PictureTest;
+
+View enlarged(View view, int times) {
+    view.width *= times;
+    view.height *= times;
+    Projection& k = view.projection;
+    k.fx *= times;
+    k.fy *= times;
+    k.cx = (k.cx + 0.5f) * times - 0.5f;
+    k.cy = (k.cy + 0.5f) * times - 0.5f;
+    return view;
+}
+
+/// The mean of what is shown in each pixel's kFiner x kFiner ones, coded, 0 .. 255.
+Image<glm::dvec3> averaged(const Image<Rgba8>& large) {
+    Image<glm::dvec3> mean(large.width() / kFiner, large.height() / kFiner);
+    for (int y = 0; y < mean.height(); ++y) {
+        for (int x = 0; x < mean.width(); ++x) {
+            glm::dvec3 sum(0);
+            for (int k = 0; k < kFiner * kFiner; ++k) {
+                const Rgba8 p = large.at(x * kFiner + k % kFiner, y * kFiner + k / kFiner);
+                sum += glm::dvec3(linear_of(p.r), linear_of(p.g), linear_of(p.b));
+            }
+            for (int k = 0; k < 3; ++k) mean.at(x, y)[k] = coded_of(sum[k] / (kFiner * kFiner));
+        }
+    }
+    return mean;
+}
+
+/// 1 where the pixels of `large` that make up one of the picture are not of one colour.
+Image<std::uint8_t> mixed_pixels(const Image<Rgba8>& large) {
+    Image<std::uint8_t> mixed(large.width() / kFiner, large.height() / kFiner);
+    for (int y = 0; y < large.height(); ++y) {
+        for (int x = 0; x < large.width(); ++x) {
+            const int u = x / kFiner, v = y / kFiner;
+            const glm::dvec3 first = numbers(large.at(u * kFiner, v * kFiner));
+            if (largest(numbers(large.at(x, y)) - first) > 4) mixed.at(u, v) = 1;
+        }
+    }
+    return mixed;
+}
+
+double mse(const Image<Rgba8>& got, const Image<glm::dvec3>& wanted,
+           const Image<std::uint8_t>& counts) {
+    double sum = 0, n = 0;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+        if (counts.pixels()[i] == 0) continue;
+        const glm::dvec3 d = numbers(got.pixels()[i]) - wanted.pixels()[i];
+        sum += glm::dot(d, d) / 3;
+        n += 1;
+    }
+    return sum / n;
+}
+
+FrameOptions edges_at(double r) {
+    FrameOptions options{.lod = FramebufferLodOptions{.r = r}, .samples = 4};
+    // What no coarse pixel saw is the third pass's business, with and without edges.
+    if (r > 1) options.lod->fix_share = 0.05f;
+    return options;
+}
+
+// The proof: nearly as near to 64 samples as shading four of them is, at every coarseness.
+TEST_F(SupersamplingTest, EdgesAreNearlyThoseOfFourShadedSamples) {
+    const View view = solid_view(kWide, kHigh);
+    const Scene scene = solid_scene(12);
+    const auto wanted = averaged(draw(scene, enlarged(view, kFiner), {}).picture);
+    const auto edges = mixed_pixels(draw(flat(scene), enlarged(view, kFiner), {}).picture);
+    const double four = mse(draw(scene, view, {.samples = 4}).picture, wanted, edges);
+    const double one = mse(draw(scene, view, {}).picture, wanted, edges);
+    EXPECT_GT(one, 5 * four);
+    for (const double r : {1.0, 2.0, 4.0}) {
+        const double got = mse(draw(scene, view, edges_at(r)).picture, wanted, edges);
+        EXPECT_LE(got, 1.3 * four) << "r " << r;
+        RecordProperty("r" + std::to_string(static_cast<int>(r)), std::to_string(got / four));
+    }
+}
+
+// A pixel without an edge is the one-sample path's to the bit, coarse or not.
+TEST_F(SupersamplingTest, OnlyEdgesChange) {
+    const View view = solid_view(kWide, kHigh);
+    for (const double r : {1.0, 3.0}) {
+        const Scene scene = solid_scene(12);
+        FrameOptions options = edges_at(r);
+        const Image<Rgba8> four = draw(scene, view, options).picture;
+        options.samples = 1;
+        options.read_surface = true;
+        const FrameResult one = draw(scene, view, options);
+        // An edge: some sample's colour is not the centre's, or faces part nearby.
+        const auto outlines = sample_pictures(flat(scene), view);
+        const Image<Rgba8> centre = draw(flat(scene), view, {}).picture;
+        int changed = 0, changed_inside = 0;
+        for (int y = 0; y < kHigh; ++y) {
+            for (int x = 0; x < kWide; ++x) {
+                if (one.picture.at(x, y) == four.at(x, y)) continue;
+                ++changed;
+                bool edge = false;
+                for (const auto& seen : outlines) edge = edge || seen.at(x, y) != centre.at(x, y);
+                for (int k = 0; k < 9; ++k) {
+                    const int u = std::clamp(x + k % 3 - 1, 0, kWide - 1);
+                    const int v = std::clamp(y + k / 3 - 1, 0, kHigh - 1);
+                    edge = edge || one.surface.normal.at(u, v) != one.surface.normal.at(x, y);
+                }
+                changed_inside += !edge;
+            }
+        }
+        EXPECT_GT(changed, 500);
+        EXPECT_EQ(changed_inside, 0);
+    }
+}
+
+TEST_F(SupersamplingTest, OneSampleCostsNothing) {
+    const View view = solid_view(80, 56);
+    Renderer own(device());
+    const Scene scene = solid_scene(12);
+    auto frame = own.render_to_image(scene, view, {.lod = FramebufferLodOptions{.r = 1}});
+    ASSERT_TRUE(frame);
+    for (const char* word : {"sample", "edges"}) {
+        EXPECT_THAT(frame->report.passes, Each(Not(HasSubstr(word))));
+        EXPECT_THAT(own.pipelines().names(), Each(Not(HasSubstr(word))));
+    }
+    // Nor do four where there is no mesh, or none in sight.
+    Scene empty = scene;
+    for (const bool away : {false, true}) {
+        if (away) {
+            empty.meshes.resize(1);
+            empty.meshes[0] = scene.meshes[1];
+            empty.meshes[0].world_from_object[3] = {0, 0, 9, 1};
+        } else {
+            empty.meshes.clear();
+        }
+        const auto before = own.render_to_image(empty, view, {.lod = FramebufferLodOptions{}});
+        const auto after =
+            own.render_to_image(empty, view, {.lod = FramebufferLodOptions{}, .samples = 4});
+        ASSERT_TRUE(before && after);
+        EXPECT_EQ(after->report.passes, before->report.passes);
+        EXPECT_EQ(after->report.transient_bytes, before->report.transient_bytes);
+    }
+}
+
+// Whatever shades a pixel, its edge is the mean of what the samples see; glass is drawn over it.
+TEST_F(SupersamplingTest, EveryKindHasSmoothEdges) {
+    const View view = solid_view(kWide, kHigh);
+    Scene scene = solid_scene(12);
+    scene.exposure = 1;
+    scene.materials[1].kind = MaterialKind::unlit;
+    scene.materials[2].kind = MaterialKind::toon;
+    scene.materials[3].emission = {0.1f, 0.5f, 4.0f};
+    const auto wanted = mean_coded(sample_pictures(scene, view));
+    const auto outlines = sample_pictures(flat(scene), view);
+    for (const double r : {1.0, 2.0}) {
+        const Image<Rgba8> one = draw(scene, view, {.lod = edges_at(r).lod}).picture;
+        const Image<Rgba8> four = draw(scene, view, edges_at(r)).picture;
+        double off_one = 0, off_four = 0;
+        for (std::size_t i = 0; i < wanted.size(); ++i) {
+            bool edge = false;
+            for (const auto& seen : outlines) {
+                edge = edge || seen.pixels()[i] != outlines[0].pixels()[i];
+            }
+            if (!edge) continue;
+            const glm::dvec3 a = numbers(one.pixels()[i]) - wanted[i];
+            const glm::dvec3 b = numbers(four.pixels()[i]) - wanted[i];
+            off_one += glm::dot(a, a);
+            off_four += glm::dot(b, b);
+        }
+        EXPECT_LT(off_four, 0.05 * off_one) << r;
+    }
+    scene.materials[3].opacity = 0.4f;
+    const Image<Rgba8> glass = draw(scene, view, edges_at(1)).picture;
+    const Image<Rgba8> plain = draw(scene, view, {.lod = FramebufferLodOptions{.r = 1}}).picture;
+    int changed = 0;
+    for (std::size_t i = 0; i < glass.size(); ++i) {
+        changed += glass.pixels()[i] != plain.pixels()[i];
+    }
+    EXPECT_GT(changed, 200);
+    EXPECT_LT(changed, kWide * kHigh / 20);
+}
+
+}  // namespace
+}  // namespace kino::test

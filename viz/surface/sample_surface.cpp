@@ -1,0 +1,99 @@
+#include "viz/surface/sample_surface.h"
+
+#include <array>
+
+namespace kino {
+namespace {
+
+using graph::FrameGraph;
+using graph::PassBuilder;
+using graph::PassContext;
+using graph::Use;
+
+constexpr std::uint32_t kSampleSeedVertex[] = {
+#include "fullscreen_vert.inc"
+};
+constexpr std::uint32_t kSampleSeed[] = {
+#include "sample_seed_frag.inc"
+};
+constexpr std::uint32_t kMeshSamples[] = {
+#include "mesh_samples_frag.inc"
+};
+
+constexpr VkFormat kIdentityFormat = VK_FORMAT_R16G16B16A16_UNORM;
+constexpr VkFormat kPlaceFormat = VK_FORMAT_R32G32_SFLOAT;
+
+void begin(PassContext& c, const SampleTargets& targets) {
+    const std::array<gpu::Target, 2> colors = {
+        {{.view = c.view(targets.identity)}, {.view = c.view(targets.place)}}};
+    const gpu::Target depth{.view = c.view(targets.depth)};
+    const graph::TextureDesc size = c.desc(targets.depth);
+    c.commands().begin_rendering({size.width, size.height}, colors, &depth);
+}
+
+void write(PassBuilder& b, SampleTargets& targets) {
+    targets.identity = b.write(targets.identity, Use::color_attachment);
+    targets.place = b.write(targets.place, Use::color_attachment);
+    targets.depth = b.write(targets.depth, Use::depth_attachment);
+}
+
+}  // namespace
+
+SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const SurfaceTargets& ground,
+                                 const MeshList& list) {
+    if (list.count == 0) return {};
+    const auto width = static_cast<std::uint32_t>(view.width);
+    const auto height = static_cast<std::uint32_t>(view.height);
+    const auto make = [&](const char* name, VkFormat format) {
+        return graph.create_texture(name, {width, height, format, kSurfaceSamples});
+    };
+    SampleTargets targets{.identity = make("sample identity", kIdentityFormat),
+                          .place = make("sample place", kPlaceFormat),
+                          .depth = make("sample depth", kDepthFormat)};
+    graph.add_pass(
+        "samples/seed", "meshes",
+        [&](PassBuilder& b) {
+            for (const graph::TextureId id : {ground.albedo, ground.view_z, ground.normal}) {
+                b.read(id, Use::fragment_read);
+            }
+            write(b, targets);
+        },
+        [ground, targets, near_m = list.view.near_m](PassContext& c) {
+            gpu::PipelineDesc desc;
+            desc.name = "samples/seed";
+            desc.vertex = kSampleSeedVertex;
+            desc.fragment = kSampleSeed;
+            desc.bindings.assign(3, gpu::Binding::texture);
+            desc.push_bytes = kMeshPushBytes;
+            desc.color_formats = {kIdentityFormat, kPlaceFormat};
+            desc.depth_format = kDepthFormat;
+            desc.depth_test = gpu::DepthTest::any_writes;
+            desc.samples = kSurfaceSamples;
+            begin(c, targets);
+            if (c.bind(desc,
+                       {c.bound(ground.albedo), c.bound(ground.view_z), c.bound(ground.normal)})) {
+                c.commands().constants(shared::MeshView{.near_m = near_m});
+                c.commands().draw(3);
+            }
+            c.commands().end_rendering();
+        });
+    graph.add_pass(
+        "samples/meshes", "meshes",
+        [&](PassBuilder& b) {
+            MeshDrawer::declare(b, list);
+            write(b, targets);
+        },
+        [list, targets](PassContext& c) {
+            MeshShader shader;
+            shader.name = "samples/meshes";
+            shader.fragment = kMeshSamples;
+            shader.color_formats = {kIdentityFormat, kPlaceFormat};
+            shader.samples = kSurfaceSamples;
+            begin(c, targets);
+            (void)MeshDrawer::record(c, list, shader);  // a failure fails the frame
+            c.commands().end_rendering();
+        });
+    return targets;
+}
+
+}  // namespace kino

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "viz/graph/graph.h"
+#include "viz/scene/view.h"
+#include "viz/surface/mesh_drawer.h"
+
+namespace kino {
+
+constexpr std::uint32_t kSurfaceSamples = 4;
+
+/// The thin surface with four samples a pixel, as viz/surface/sample_surface.glsl packs it. A
+/// sample holds what covers its place, and that as it is at the pixel's centre, where the surface's
+/// own plane meets the centre's ray (the rules of multisampling).
+struct SampleTargets {
+    graph::TextureId identity;  ///< RGBA16: object and normal
+    graph::TextureId place;     ///< RG32F: metres along the view axis, and colour
+    graph::TextureId depth;     ///< kDepthFormat
+    [[nodiscard]] bool valid() const { return identity.valid(); }
+};
+
+/// Two passes: `ground` (live frame or background: albedo, view_z and normal) into every sample,
+/// and the meshes of the list over it. Nothing is made for an empty list.
+[[nodiscard]] SampleTargets add_sample_surface(graph::FrameGraph& graph, const View& view,
+                                               const SurfaceTargets& ground, const MeshList& list);
+
+}  // namespace kino
