@@ -1,31 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "calibration/color_in_depth.h"
 #include "calibration/depth_points.h"
 #include "calibration/rig.h"
 #include "tests/calibration/rig_samples.h"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Replaced for the whole test program: every allocation is counted. Not inlined, or the compiler
-// sees malloc and delete meet and warns.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size > 0 ? size : 1)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-    std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-    std::free(p);
-}
+#include "tests/support/counted_allocations.h"
 
 namespace kino {
 namespace {
@@ -48,17 +27,17 @@ TEST(Rig, NothingIsAllocatedAfterTheFirstFrame) {
         DepthFrame frames[] = {samples.room(160, 120), samples.room(160, 120),
                                samples.room(160, 120)};
         frames[2].unit = DepthUnit::kinect_disparity11;
-        const long before_first = allocations;
+        const long before_first = test::allocations;
         long after_first = 0;
         for (int i = 0; i < 6; ++i) {
             const bool registered = rig.register_depth(frames[i % 3], out).has_value();
             unproject_depth(out.depth_m, rig.depth_rays(), points);
             register_color(out.uv, color, ColorSampling::bilinear, in_depth);
-            if (i == 0) after_first = allocations;
+            if (i == 0) after_first = test::allocations;
             if (!registered) FAIL();
         }
         EXPECT_GT(after_first, before_first);  // the counter counts
-        EXPECT_EQ(allocations, after_first);
+        EXPECT_EQ(test::allocations, after_first);
     }
 }
 

@@ -1,52 +1,17 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <random>
 
 #include "bag_bytes.h"
 #include "fuzz/convert_targets.h"
 #include "k4a_bytes.h"
+#include "tests/support/mutation.h"
 
 /// The fuzz targets on seeded mutations of sound files.
 namespace kino {
 namespace {
 
 using Buffer = std::vector<std::uint8_t>;
-
-void change(Buffer& bytes, std::mt19937& random) {
-    if (bytes.empty()) return;
-    // Heads and tables are the interesting part: half of the changes go there.
-    const std::size_t range =
-        random() % 2 == 0 ? std::min<std::size_t>(bytes.size(), 1500) : bytes.size();
-    const std::size_t at = random() % range;
-    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
-    switch (random() % 6) {
-        case 0:
-            *place = static_cast<std::uint8_t>(random());
-            break;
-        case 1:
-            *place ^= static_cast<std::uint8_t>(1U << random() % 8);
-            break;
-        case 2:
-            std::fill_n(place, std::min<std::size_t>(bytes.size() - at, 1 + random() % 4),
-                        random() % 2 == 0 ? 0xFF : 0);
-            break;
-        case 3:
-            bytes.resize(at);
-            break;
-        case 4: {
-            const std::size_t length = std::min<std::size_t>(bytes.size() - at, random() % 30);
-            bytes.erase(place, place + static_cast<std::ptrdiff_t>(length));
-            break;
-        }
-        default: {
-            const std::size_t length = std::min<std::size_t>(bytes.size() - at, random() % 60);
-            const Buffer copy(place, place + static_cast<std::ptrdiff_t>(length));
-            bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(random() % bytes.size()),
-                         copy.begin(), copy.end());
-        }
-    }
-}
 
 /// How many mutations still played.
 int mutate(const Buffer& seed, unsigned number, int rounds,
@@ -56,7 +21,7 @@ int mutate(const Buffer& seed, unsigned number, int rounds,
     int played = 0;
     for (int i = 0; i < rounds; ++i) {
         Buffer bytes = seed;
-        for (unsigned n = 0; n < 1 + random() % 4; ++n) change(bytes, random);
+        for (unsigned n = 0; n < 1 + random() % 4; ++n) test::damage(bytes, random, 1500);
         played += target(bytes) > 0 ? 1 : 0;
     }
     return played;

@@ -2,10 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <cstring>
-#include <new>
 
 #include "sensor/filters/decimation_filter.h"
 #include "sensor/filters/flying_pixel_filter.h"
@@ -14,24 +11,7 @@
 #include "sensor/filters/temporal_filter.h"
 #include "tests/sensor/filters/depth_samples.h"
 #include "tests/sensor/filters/fuzz/target.h"
-
-namespace {
-std::atomic<long> allocations{0};
-}
-
-// Replaced for the whole test program: every allocation is counted. Not inlined, or the compiler
-// sees malloc and delete meet and warns.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* p = std::malloc(size > 0 ? size : 1)) return p;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept {
-    std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept {
-    std::free(p);
-}
+#include "tests/support/counted_allocations.h"
 
 namespace kino {
 namespace {
@@ -170,11 +150,11 @@ TEST(Chain, NothingIsAllocatedAfterTheFirstFrame) {
         const Image<float> frames[] = {test::noisy_room(160, 120, 1),
                                        test::hostile_room(160, 120, 2)};
         Image<float> out;
-        const long before = allocations;
+        const long before = test::allocations;
         chain.apply(frames[0], out);
-        const long after = allocations;
+        const long after = test::allocations;
         for (int i = 0; i < 6; ++i) chain.apply(frames[i % 2], out);
-        EXPECT_EQ(allocations, after) << text;
+        EXPECT_EQ(test::allocations, after) << text;
         EXPECT_GT(after, before) << "the counter counts";
     }
 }

@@ -9,6 +9,7 @@
 #include "sensor/session/crc32.h"
 #include "session_frames.h"
 #include "session_target.h"
+#include "tests/support/mutation.h"
 
 /// The fuzz target on seeded mutations, half of them with the clusters' check sums put right again
 /// so that damage gets past them.
@@ -16,40 +17,6 @@ namespace kino {
 namespace {
 
 using Buffer = std::vector<std::uint8_t>;
-
-void change(Buffer& bytes, std::mt19937& random) {
-    if (bytes.empty()) return;
-    // Heads and tables are the interesting part: half of the changes go there.
-    const std::size_t range =
-        random() % 2 == 0 ? std::min<std::size_t>(bytes.size(), 4096) : bytes.size();
-    const std::size_t at = random() % range;
-    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
-    switch (random() % 6) {
-        case 0:
-            *place = static_cast<std::uint8_t>(random());
-            break;
-        case 1:
-            *place ^= static_cast<std::uint8_t>(1U << random() % 8);
-            break;
-        case 2:
-            *place = random() % 2 == 0 ? 0xFF : 0;
-            break;
-        case 3:
-            bytes.resize(at);
-            break;
-        case 4: {
-            const std::size_t length = std::min<std::size_t>(bytes.size() - at, random() % 30);
-            bytes.erase(place, place + static_cast<std::ptrdiff_t>(length));
-            break;
-        }
-        default: {
-            const std::size_t length = std::min<std::size_t>(bytes.size() - at, random() % 60);
-            const Buffer copy(place, place + static_cast<std::ptrdiff_t>(length));
-            bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(random() % bytes.size()),
-                         copy.begin(), copy.end());
-        }
-    }
-}
 
 void mend_sums(Buffer& bytes) {
     for (std::size_t at = 0; at + 22 < bytes.size(); ++at) {
@@ -97,7 +64,7 @@ TEST(SessionMutations, AnyBytesAreSafe) {
         std::mt19937 random(static_cast<unsigned>(codec) + 1);
         for (int i = 0; i < 400; ++i) {
             Buffer bytes = seed;
-            for (unsigned n = 0; n < 1 + random() % 5; ++n) change(bytes, random);
+            for (unsigned n = 0; n < 1 + random() % 5; ++n) test::damage(bytes, random, 4096);
             if (i % 2 == 0) mend_sums(bytes);
             fuzz::session(bytes);
         }
