@@ -8,6 +8,7 @@
 
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
+#include "apps/tell_error.h"
 #include "sensor/png_io.h"
 #include "viz/quality/edge_band.h"
 #include "viz/quality/flip.h"
@@ -25,7 +26,7 @@ struct CompareRequest {
 };
 
 int fail_with(const Error& error) {
-    fmt::print(stderr, "kinoscope: {}\n", error.to_string());
+    tell_error(error);
     return kExitFailed;
 }
 

@@ -17,6 +17,7 @@
 #include "apps/motion.h"
 #include "apps/pipeline/opened_source.h"
 #include "apps/sources.h"
+#include "apps/tell_error.h"
 #include "apps/view_options.h"
 #include "calibration/color_in_depth.h"
 #include "calibration/rig.h"
@@ -42,10 +43,6 @@ struct ConvertOptions {
     bool force = false;
     bool json = false;
 };
-
-void complain(const Error& error) {
-    fmt::print(stderr, "kinoscope: {}\n", error.to_string());
-}
 
 /// Depth in metres and points in the world, by the Rig.
 class RigGeometry final : public ConvertGeometry {
@@ -260,7 +257,7 @@ int run_convert(const ConvertOptions& options) {
     register_sources();
     catch_interrupts();
     if (options.out.empty() && options.motion.file.empty()) {
-        complain({"nothing is to be written", options.in, "name OUT, or --motion FILE"});
+        tell_error({"nothing is to be written", options.in, "name OUT, or --motion FILE"});
         return kExitUsage;
     }
     nlohmann::ordered_json out = nlohmann::ordered_json::object();
@@ -268,7 +265,7 @@ int run_convert(const ConvertOptions& options) {
     if (!options.out.empty()) {
         auto converted = convert(options);
         if (!converted) {
-            complain(converted.error());
+            tell_error(converted.error());
             return kExitFailed;
         }
         outcome = std::move(*converted);
@@ -288,7 +285,7 @@ int run_convert(const ConvertOptions& options) {
             });
         progress.end();
         if (!motion) {
-            complain(motion.error());
+            tell_error(motion.error());
             return kExitFailed;
         }
         out["motion"] = motion_json(options, *motion);
@@ -296,9 +293,9 @@ int run_convert(const ConvertOptions& options) {
     }
     if (options.json) print_json(out);
     if (!outcome || outcome->report.unreadable == 0) return kExitDone;
-    complain({fmt::format("{} frames could not be read and are left out, the first: {}",
-                          outcome->report.unreadable, outcome->report.first_problem),
-              options.in, ""});
+    tell_error({fmt::format("{} frames could not be read and are left out, the first: {}",
+                            outcome->report.unreadable, outcome->report.first_problem),
+                options.in, ""});
     return kExitFailed;
 }
 

@@ -12,10 +12,13 @@
 #include <utility>
 
 #include "apps/exit_codes.h"
+#include "apps/headless/frame_feed.h"
+#include "apps/headless/kept_pictures.h"
+#include "apps/headless/run_report.h"
 #include "apps/interrupt.h"
-#include "apps/pipeline/stepper.h"
 #include "apps/stage_source.h"
 #include "apps/summary.h"
+#include "apps/tell_error.h"
 #include "apps/viewer/budget_log.h"
 #include "apps/viewer/frame_budget.h"
 #include "apps/viewer/scene_builder.h"
@@ -23,7 +26,6 @@
 #include "apps/viewer/window_camera.h"
 #include "sensor/png_io.h"
 #include "viz/frame/renderer.h"
-#include "viz/output/video_writer.h"
 
 namespace kino {
 namespace {
@@ -36,9 +38,6 @@ constexpr int kDefaultHeight = 720;
 constexpr TimeNs kLeastLength = 4 * kNsPerSecond;
 
 constexpr std::int64_t kTrueErrorEvery = 30;
-
-/// A stepper waits a second for a device; this often at most.
-constexpr int kDeviceWaits = 10;
 
 /// A name of a folder for a source: what a person would call it, without odd characters.
 std::string slug(const std::string& uri) {
@@ -53,7 +52,7 @@ std::string slug(const std::string& uri) {
 
 std::int64_t natural_length(const Stepper& stepper) {
     const Timeline* timeline = stepper.opened().source->timeline();
-    if (timeline == nullptr) return 300;
+    if (timeline == nullptr) return kDeviceFrames;
     const std::int64_t round = std::max<std::int64_t>(1, stepper.round());
     if (stepper.opened().mode == LoopMode::once) return round;
     const TimeNs length =
@@ -62,21 +61,14 @@ std::int64_t natural_length(const Stepper& stepper) {
     return std::max(round, (kLeastLength + mean - 1) / mean);
 }
 
-/// Whether picture `i` of `frames` is kept as a file: first and last, the others evenly between,
-/// `most` in all; all of them for a negative `most`.
-bool keeps_picture(std::int64_t i, std::int64_t frames, std::int64_t most) {
-    if (most < 0 || frames <= most) return true;
-    if (most < 2) return most == 1 && i == 0;
-    // Small enough that the products below fit.
-    most = std::min<std::int64_t>(most, 1'000'000);
-    const std::int64_t k = (i * (most - 1) + frames - 2) / (frames - 1);
-    return k * (frames - 1) / (most - 1) == i;
-}
-
 class HeadlessRun {
   public:
     HeadlessRun(const ReplayOptions& options, gpu::Device& device, Summary& summary)
-        : options_(options), renderer_(device), summary_(summary), budget_(options.budget()) {}
+        : options_(options),
+          renderer_(device),
+          summary_(summary),
+          budget_(options.budget()),
+          video_(options.headless) {}
 
     /// Fails where the scene of the options cannot be had.
     Result<void> set_stage();
@@ -85,8 +77,6 @@ class HeadlessRun {
 
   private:
     Result<FrameResult> draw(const ProcessedFrame& frame, const Stepper& stepper, double time_s);
-    Result<void> keep(const Image<Rgba8>& picture, TimeNs duration, const fs::path& png);
-
     const ReplayOptions& options_;
     Renderer renderer_;
     Summary& summary_;
@@ -95,8 +85,7 @@ class HeadlessRun {
     std::optional<WindowCamera> window_;  ///< of scenes whose screen is one
     FrameBudget budget_;
     double last_time_s_ = 0;
-    std::optional<VideoWriter> video_;
-    bool video_tried_ = false;
+    RunVideo video_;
 };
 
 Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper& stepper,
@@ -143,23 +132,6 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     return renderer_.render_to_image(scene, view, frame_options);
 }
 
-Result<void> HeadlessRun::keep(const Image<Rgba8>& picture, TimeNs duration, const fs::path& png) {
-    if (!std::exchange(video_tried_, true)) {
-        auto video =
-            VideoWriter::create(options_.headless / "video.mp4", summary_.width, summary_.height);
-        if (video) {
-            video_.emplace(std::move(*video));
-            summary_.video_codec = video_->codec();
-        } else {
-            // Pictures are worth having without a video.
-            fmt::print(stderr, "kinoscope: no video: {}\n", video.error().to_string());
-        }
-    }
-    if (video_) KINO_TRY(video_->add(picture.view(), duration));
-    if (!png.empty()) KINO_TRY(write_png_rgba8(png, picture.view()));
-    return {};
-}
-
 Result<void> HeadlessRun::set_stage() {
     if (options_.scene.empty()) return {};
     KINO_ASSIGN(StageSet stage, open_stage(options_.scene));
@@ -175,13 +147,12 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
                                                        .bodies = options_.bodies,
                                                        .calibration = options_.calibration},
                                                       options_.wants_people()));
-    Stepper stepper(std::move(opened));
-    const std::int64_t frames = options_.frames.value_or(natural_length(stepper));
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) return fail("could not be made: " + error.message(), folder.string());
 
     SourceSummary& source = summary_.sources.emplace_back();
+    Stepper stepper(std::move(opened));
     source.info = stepper.opened().source->info();
     source.loop = stepper.opened().mode;
     source.pictures_hash = kHashStart;
@@ -197,134 +168,94 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
     if (window_) window_->reset();
     last_time_s_ = 0;
     renderer_.cut();
+    const auto note_unreadable = [&](const Error& unreadable) {
+        ++source.errors;
+        if (source.first_error.empty()) source.first_error = unreadable.to_string();
+        if (options_.verbose) tell_error(unreadable);
+    };
+    const std::int64_t frames = options_.frames.value_or(natural_length(stepper));
+    FrameFeed feed(std::move(stepper), frames,
+                   {.interrupted = interrupted, .on_unreadable = note_unreadable});
     TimeNs shown = 0;
-    std::int64_t in_a_row = 0;
-    int silent_waits = 0;
-    for (std::int64_t i = 0; i < frames && !interrupted(); ++i) {
-        auto frame = stepper.next();
-        if (!frame) {
-            ++source.errors;
-            if (source.first_error.empty()) source.first_error = frame.error().to_string();
-            if (options_.verbose) {
-                fmt::print(stderr, "kinoscope: {}\n", frame.error().to_string());
-            }
-            // With every frame of a round unreadable, there is nothing to show.
-            if (++in_a_row >= std::max<std::int64_t>(1, stepper.round()))
-                return fail(frame.error(), uri);
-            continue;
-        }
-        if (!*frame) {
-            if (stepper.round() > 0) break;
-            // A device: it may be slow to start, or away for a while.
-            if (++silent_waits >= kDeviceWaits) {
-                return fail(fmt::format("nothing came for {} s", kDeviceWaits), uri);
-            }
-            --i;
-            continue;
-        }
-        silent_waits = 0;
-        if (!(*frame)->surface) {
+    while (true) {
+        KINO_ASSIGN(const std::optional<ProcessedFrame> frame, feed.next());
+        if (!frame) return {};
+        if (!frame->surface) {
             return fail("brings no depth, so there is nothing to draw in 3D", uri,
                         "a window shows its pictures");
         }
-        in_a_row = 0;
         const TimeNs began = now_ns();
-        KINO_ASSIGN(FrameResult drawn, draw(**frame, stepper, to_seconds(shown)));
+        KINO_ASSIGN(const FrameResult drawn, draw(*frame, feed.stepper(), to_seconds(shown)));
         const TimeNs rendered = now_ns();
         const TimeNs duration = std::max<TimeNs>(
             kNsPerMs,
-            static_cast<TimeNs>(static_cast<double>(stepper.duration()) / options_.speed));
-        fs::path png;
-        if (keeps_picture(i, frames, options_.pictures))
-            png = folder / fmt::format("frame-{:05}.png", i);
-        KINO_TRY(keep(drawn.picture, duration, png));
-        const StageTimes& times = (*frame)->times;
+            static_cast<TimeNs>(static_cast<double>(feed.stepper().duration()) / options_.speed));
+        KINO_TRY(video_.add(drawn.picture, duration));
+        if (keeps_picture(feed.index(), frames, options_.pictures)) {
+            KINO_TRY(write_png_rgba8(folder / picture_name(feed.index()), drawn.picture.view()));
+        }
+        const StageTimes& times = frame->times;
         source.read.add(times.read);
         source.color_conversion.add(times.color);
         source.registration.add(times.registration);
         source.filter.add(times.filter);
-        if (stepper.round() == 0) source.arrive.add((*frame)->arrived - (*frame)->set.time);
+        if (feed.stepper().round() == 0) source.arrive.add(frame->arrived - frame->set.time);
         source.render.add(rendered - began);
         source.render_device.add(drawn.report.submit_to_fence);
         source.write.add(now_ns() - rendered);
         source.pictures_hash = hash_picture(drawn.picture, source.pictures_hash);
         source.passes = drawn.report.passes;
         source.device_bytes = renderer_.device().memory().current;
-        source.points = (*frame)->valid_points;
-        source.bodies.add(**frame);
+        source.points = frame->valid_points;
+        source.bodies.add(*frame);
         source.levels = budget_.log();
         ++source.frames;
         shown += duration;
         if (options_.verbose) {
-            fmt::print(stderr, "frame {} of {}: {} points, {:.1f} ms\n", i + 1, frames,
+            fmt::print(stderr, "frame {} of {}: {} points, {:.1f} ms\n", feed.index() + 1, frames,
                        source.points, to_ms(rendered - began));
         }
     }
-    return {};
 }
 
 Result<void> HeadlessRun::finish() {
-    if (video_) return video_->finish();
-    return {};
+    summary_.video_codec = video_.codec();
+    return video_.finish();
 }
 
 }  // namespace
 
 int replay_headless(const ReplayOptions& options) {
-    const auto complain = [](const Error& error) {
-        fmt::print(stderr, "kinoscope: {}\n", error.to_string());
-    };
-    std::error_code error;
-    fs::create_directories(options.headless, error);
-    if (error) {
-        complain({"could not be made: " + error.message(), options.headless.string(), {}});
-        return kExitFailed;
-    }
-    auto device = gpu::Device::create({.device = options.device, .validation = wants_validation()});
-    if (!device) {
-        complain(device.error());
-        return kExitNoVulkan;
-    }
+    int code = kExitDone;
+    const auto device = begin_run(
+        options.headless, {.device = options.device, .validation = wants_validation()}, code);
+    if (!device) return code;
     const TimeNs began = now_ns();
-    Summary summary{.device = (*device)->info(),
+    Summary summary{.device = device->info(),
                     .options = options,
                     .width = options.width.value_or(kDefaultWidth),
                     .height = options.height.value_or(kDefaultHeight)};
-    int code = kExitDone;
+    const auto tell = [&code](const Result<void>& done) {
+        if (done) return;
+        tell_error(done.error());
+        code = kExitFailed;
+    };
     {
-        HeadlessRun run(options, **device, summary);
-        if (const auto set = run.set_stage(); !set) {
-            complain(set.error());
-            return kExitFailed;
-        }
+        HeadlessRun run(options, *device, summary);
+        tell(run.set_stage());
+        if (code != kExitDone) return code;
         for (std::size_t i = 0; i < options.uris.size() && !interrupted(); ++i) {
             const std::string& uri = options.uris[i];
             const fs::path folder = options.uris.size() == 1
                                         ? options.headless
                                         : options.headless / fmt::format("{}-{}", i + 1, slug(uri));
-            if (const auto played = run.play(uri, folder); !played) {
-                complain(played.error());
-                code = kExitFailed;
-            }
+            tell(run.play(uri, folder));
         }
-        if (const auto finished = run.finish(); !finished) {
-            complain(finished.error());
-            code = kExitFailed;
-        }
+        tell(run.finish());
     }
     summary.interrupted = interrupted();
     summary.wall_s = to_seconds(now_ns() - began);
-    if (const auto written = write_summary(options.headless / "summary.json", summary); !written) {
-        complain(written.error());
-        code = kExitFailed;
-    }
-    if (options.json) {
-        fmt::print("{}\n", to_json(summary).dump(2, ' ', false,
-                                                 nlohmann::ordered_json::error_handler_t::replace));
-    } else {
-        fmt::print("{}written into {}\n", to_text(summary), options.headless.string());
-    }
-    return code;
+    return end_run(options.headless, to_json(summary), to_text(summary), options.json, code);
 }
 
 }  // namespace kino

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
@@ -7,6 +5,7 @@
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
 #include "apps/sources.h"
+#include "apps/tell_error.h"
 #include "apps/view_options.h"
 
 namespace kino {
@@ -17,7 +16,7 @@ int run_live(ReplayOptions options) {
     if (options.uris.empty()) {
         auto device = first_device();
         if (!device) {
-            fmt::print(stderr, "kinoscope: {}\n", device.error().to_string());
+            tell_error(device.error());
             return kExitFailed;
         }
         options.uris.push_back(std::move(*device));

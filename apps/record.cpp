@@ -18,6 +18,7 @@
 #include "apps/pipeline/found_calibration.h"
 #include "apps/pipeline/opened_source.h"
 #include "apps/sources.h"
+#include "apps/tell_error.h"
 #include "apps/view_options.h"
 #include "sensor/session/recorder.h"
 #include "skeleton/gestures/gesture_json.h"
@@ -46,10 +47,6 @@ struct Recorded {
     std::set<std::uint32_t> people;
     std::int64_t gestures = 0;
 };
-
-void complain_about(const Error& error) {
-    fmt::print(stderr, "kinoscope: {}\n", error.to_string());
-}
 
 void tell(const RecorderStatus& status, const char* end) {
     fmt::print(stderr, "\r{:.1f} s, {} frames, {:.1f} MB, {} lost, queue {:.0f} %{}",
@@ -106,7 +103,7 @@ class RecordRun {
             auto set = source_.next(kWait);
             for (const Event& event : source_.take_events()) hear(event);
             if (!set) {
-                complain_about(set.error());
+                tell_error(set.error());
             } else if (*set) {
                 ++sets_;
                 last_time_ = (*set)->time;
@@ -157,7 +154,7 @@ class RecordRun {
     void find_bodies(const FrameSet& set, bool tapped) {
         if (!set.depth) return;
         const auto frame = desk_->find(set);
-        if (!frame) return complain_about(frame.error());
+        if (!frame) return tell_error(frame.error());
         // Sets are put as of device 0.
         const std::vector<StreamInfo>& streams = source_.info().streams;
         const int device = tapped && !streams.empty() ? streams.front().id.device : 0;
@@ -223,7 +220,7 @@ int run_record(const RecordOptions& options) {
     catch_interrupts();
     const auto recorded = record(options);
     if (!recorded) {
-        complain_about(recorded.error());
+        tell_error(recorded.error());
         return kExitFailed;
     }
     const RecorderStatus* const status = &recorded->status;
@@ -241,8 +238,7 @@ int run_record(const RecordOptions& options) {
                    out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
     }
     if (!status->error.empty()) {
-        complain_about(
-            {status->error, options.out.string(), "what was written before is in the file"});
+        tell_error({status->error, options.out.string(), "what was written before is in the file"});
         return kExitFailed;
     }
     return kExitDone;

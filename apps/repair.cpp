@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
+#include "apps/tell_error.h"
 #include "sensor/session/repair.h"
 
 namespace kino {
@@ -21,7 +22,7 @@ Command add_repair(CLI::App& parent) {
     return [file] {
         const auto report = repair_session(*file);
         if (!report) {
-            fmt::print(stderr, "kinoscope: {}\n", report.error().to_string());
+            tell_error(report.error());
             return static_cast<int>(kExitFailed);
         }
         for (const std::string& line : report->lines) fmt::print("{}\n", line);

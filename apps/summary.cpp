@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "apps/headless/run_report.h"
 #include "apps/viewer/budget_log.h"
 #include "skeleton/gestures/gesture_json.h"
 
@@ -14,10 +14,6 @@ namespace kino {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json times_json(const TimeSeries& times) {
-    return {{"count", times.count()}, {"median_ms", times.median_ms()}, {"p95_ms", times.p95_ms()}};
-}
 
 Json bodies_json(const BodySummary& bodies) {
     Json frames = Json::object();
@@ -126,14 +122,6 @@ void BodySummary::add(const ProcessedFrame& frame) {
     filter.add(frame.tracking->filter);
 }
 
-std::uint64_t hash_picture(const Image<Rgba8>& picture, std::uint64_t hash) {
-    constexpr std::uint64_t kPrime = 0x100000001b3ull;
-    for (const Rgba8& p : picture.pixels()) {
-        for (const std::uint8_t byte : {p.r, p.g, p.b, p.a}) hash = (hash ^ byte) * kPrime;
-    }
-    return hash;
-}
-
 Json to_json(const Summary& summary) {
     Json sources = Json::array();
     Json timing = Json::array();
@@ -157,11 +145,7 @@ Json to_json(const Summary& summary) {
               {"interrupted", summary.interrupted},
               {"sources", sources}}},
             {"timing", {{"wall_s", summary.wall_s}, {"sources", timing}}},
-            {"machine",
-             {{"device", summary.device.name},
-              {"driver", summary.device.driver},
-              {"is_cpu", summary.device.is_cpu},
-              {"video_codec", summary.video_codec}}}};
+            {"machine", machine_json(summary.device, summary.video_codec)}};
 }
 
 std::string to_text(const Summary& summary) {
@@ -205,15 +189,6 @@ std::string to_text(const Summary& summary) {
                         summary.height, summary.wall_s,
                         summary.interrupted ? " (ended early by the user)" : "");
     return text;
-}
-
-Result<void> write_summary(const std::filesystem::path& path, const Summary& summary) {
-    std::ofstream file(path, std::ios::binary);
-    // Names from files may hold bytes that are no UTF-8; those are replaced, not thrown at.
-    file << to_json(summary).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    file.close();
-    if (!file) return fail("could not be written", path.string());
-    return {};
 }
 
 }  // namespace kino

@@ -85,10 +85,5 @@ struct Summary {
 [[nodiscard]] nlohmann::ordered_json to_json(const Summary& summary);
 /// A few lines for a person.
 [[nodiscard]] std::string to_text(const Summary& summary);
-[[nodiscard]] Result<void> write_summary(const std::filesystem::path& path, const Summary& summary);
-
-/// FNV-1a, 64 bit (Fowler, Noll, Vo), going on from `hash`.
-constexpr std::uint64_t kHashStart = 0xcbf29ce484222325ull;
-[[nodiscard]] std::uint64_t hash_picture(const Image<Rgba8>& picture, std::uint64_t hash);
 
 }  // namespace kino

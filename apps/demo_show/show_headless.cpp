@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
 #include "apps/demo_show/play_feed.h"
@@ -10,51 +9,33 @@
 #include "apps/demo_show/show_play.h"
 #include "apps/demo_show/show_summary.h"
 #include "apps/exit_codes.h"
-#include "apps/pipeline/stepper.h"
+#include "apps/headless/frame_feed.h"
+#include "apps/headless/kept_pictures.h"
+#include "apps/headless/run_report.h"
+#include "apps/tell_error.h"
 #include "sensor/png_io.h"
-#include "viz/output/video_writer.h"
 
 namespace kino {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kDeviceFrames = 300;
-/// A stepper waits a second for a device; this often at most.
-constexpr int kSilentWaits = 10;
-
-/// FNV-1a, 64 bit (Fowler, Noll, Vo).
-constexpr std::uint64_t kFnvStart = 0xcbf29ce484222325ull, kFnvPrime = 0x100000001b3ull;
-
-std::uint64_t hashed(const Image<Rgba8>& picture, std::uint64_t hash) {
-    for (const Rgba8& p : picture.pixels()) {
-        for (const std::uint8_t byte : {p.r, p.g, p.b, p.a}) hash = (hash ^ byte) * kFnvPrime;
-    }
-    return hash;
-}
-
-/// Evenly over all frames, first and last among them; all for a negative `most`.
-bool is_kept(std::int64_t i, std::int64_t frames, std::int64_t most) {
-    if (most < 0 || frames <= most) return true;
-    if (most < 2) return most == 1 && i == 0;
-    most = std::min<std::int64_t>(most, 1'000'000);
-    const std::int64_t k = (i * (most - 1) + frames - 2) / (frames - 1);
-    return k * (frames - 1) / (most - 1) == i;
-}
-
 /// The demo without clocks and windows: every frame in order, one picture each.
 class SteppedShow {
   public:
     SteppedShow(const ShowOptions& options, const ShowHelp& help, gpu::Device& device,
                 ShowSummary& summary)
-        : options_(options), help_(help), renderer_(device), summary_(summary) {}
+        : options_(options),
+          help_(help),
+          renderer_(device),
+          summary_(summary),
+          video_(options.headless) {}
 
     Result<void> open();
     Result<void> run(TimeNs began);
 
   private:
     Result<FrameResult> draw(const ProcessedFrame& frame, double dt_s);
-    Result<void> keep(const Image<Rgba8>& picture, TimeNs duration, std::int64_t index);
     void note(const ProcessedFrame& frame);
 
     const ShowOptions& options_;
@@ -63,12 +44,11 @@ class SteppedShow {
     ShowSummary& summary_;
     std::unique_ptr<ScreenPainter> painter_;
     std::optional<DemoPlay> play_;
-    std::optional<Stepper> stepper_;
-    std::optional<VideoWriter> video_;
+    std::optional<FrameFeed> frames_;
+    RunVideo video_;
     PlayFeed feed_;
     std::string scene_name_;
     double scene_name_shown_s_ = 1e9;
-    std::int64_t frames_ = 0;  ///< that are to be drawn
 };
 
 Result<void> SteppedShow::open() {
@@ -78,19 +58,16 @@ Result<void> SteppedShow::open() {
     const std::string uri = options_.uri.empty() ? performance_uri() : options_.uri;
     KINO_ASSIGN(OpenedSource opened,
                 open_for_playing(uri, show_play_options(options_, LoopMode::loop)));
-    stepper_.emplace(std::move(opened));
-    summary_.source = stepper_->opened().source->info();
-    frames_ = options_.frames.value_or(stepper_->round() > 0 ? stepper_->round() : kDeviceFrames);
+    summary_.source = opened.source->info();
+    Stepper stepper(std::move(opened));
+    const std::int64_t round = stepper.round() > 0 ? stepper.round() : kDeviceFrames;
+    const auto note_unreadable = [this](const Error& unreadable) {
+        ++summary_.errors;
+        if (summary_.first_error.empty()) summary_.first_error = unreadable.to_string();
+    };
+    frames_.emplace(std::move(stepper), options_.frames.value_or(round),
+                    FrameFeed::Hooks{help_.interrupted, note_unreadable});
     KINO_ASSIGN(painter_, ScreenPainter::create(renderer_.device(), nullptr, options_.height));
-    auto video =
-        VideoWriter::create(options_.headless / "video.mp4", options_.width, options_.height);
-    if (video) {
-        video_.emplace(std::move(*video));
-        summary_.video_codec = video_->codec();
-    } else {
-        // Pictures are worth having without a video.
-        fmt::print(stderr, "kinoscope: no video: {}\n", video.error().to_string());
-    }
     return {};
 }
 
@@ -142,101 +119,58 @@ void SteppedShow::note(const ProcessedFrame& frame) {
     }
 }
 
-Result<void> SteppedShow::keep(const Image<Rgba8>& picture, TimeNs duration, std::int64_t index) {
-    summary_.pictures_hash = hashed(picture, summary_.pictures_hash);
-    if (video_) KINO_TRY(video_->add(picture.view(), duration));
-    if (!is_kept(index, frames_, options_.pictures)) return {};
-    return write_png_rgba8(options_.headless / fmt::format("frame-{:05}.png", index),
-                           picture.view());
-}
-
 Result<void> SteppedShow::run(TimeNs began) {
-    summary_.pictures_hash = kFnvStart;
-    int silent = 0;
-    std::int64_t unreadable = 0;
-    for (std::int64_t i = 0; i < frames_ && !help_.interrupted(); ++i) {
-        auto frame = stepper_->next();
-        if (!frame) {
-            ++summary_.errors;
-            if (summary_.first_error.empty()) summary_.first_error = frame.error().to_string();
-            if (++unreadable >= std::max<std::int64_t>(1, stepper_->round()))
-                return fail(frame.error());
-            continue;
-        }
-        if (!*frame) {
-            if (stepper_->round() > 0) break;
-            if (++silent >= kSilentWaits) {
-                return fail(fmt::format("nothing came for {} s", kSilentWaits),
-                            summary_.source.uri);
-            }
-            --i;
-            continue;
-        }
-        silent = 0;
-        unreadable = 0;
-        if (!(*frame)->surface) {
+    summary_.pictures_hash = kHashStart;
+    while (true) {
+        KINO_ASSIGN(const std::optional<ProcessedFrame> frame, frames_->next());
+        if (!frame) break;
+        if (!frame->surface) {
             return fail("brings no depth, so nobody can be seen in it", summary_.source.uri);
         }
-        const TimeNs duration = std::max<TimeNs>(kNsPerMs, stepper_->duration());
-        KINO_ASSIGN(const FrameResult drawn, draw(**frame, to_seconds(duration)));
+        const TimeNs duration = std::max<TimeNs>(kNsPerMs, frames_->stepper().duration());
+        KINO_ASSIGN(const FrameResult drawn, draw(*frame, to_seconds(duration)));
         if (summary_.first_picture == 0) summary_.first_picture = now_ns() - began;
-        note(**frame);
-        KINO_TRY(keep(drawn.picture, duration, i));
-        summary_.read.add((*frame)->times.read);
-        summary_.track.add((*frame)->times.bodies);
+        note(*frame);
+        summary_.pictures_hash = hash_picture(drawn.picture, summary_.pictures_hash);
+        KINO_TRY(video_.add(drawn.picture, duration));
+        if (keeps_picture(frames_->index(), frames_->most(), options_.pictures)) {
+            KINO_TRY(write_png_rgba8(options_.headless / picture_name(frames_->index()),
+                                     drawn.picture.view()));
+        }
+        summary_.read.add(frame->times.read);
+        summary_.track.add(frame->times.bodies);
         summary_.passes = drawn.report.passes;
         summary_.device_bytes = renderer_.device().memory().current;
         ++summary_.frames;
     }
-    if (video_) KINO_TRY(video_->finish());
-    return {};
+    summary_.video_codec = video_.codec();
+    return video_.finish();
 }
 
 }  // namespace
 
 int show_headless(const ShowOptions& options, const ShowHelp& help) {
     const TimeNs began = now_ns();
-    const auto complain = [](const Error& error) {
-        fmt::print(stderr, "kinoscope: {}\n", error.to_string());
-    };
-    std::error_code error;
-    fs::create_directories(options.headless, error);
-    if (error) {
-        complain({"could not be made: " + error.message(), options.headless.string(), {}});
-        return kExitFailed;
-    }
-    auto device = gpu::Device::create({.device = options.device, .validation = help.validation});
-    if (!device) {
-        complain(device.error());
-        return kExitNoVulkan;
-    }
-    ShowSummary summary{.options = options};
-    summary.device = (*device)->info();
     int code = kExitDone;
+    const auto device = begin_run(options.headless,
+                                  {.device = options.device, .validation = help.validation}, code);
+    if (!device) return code;
+    ShowSummary summary{.options = options};
+    summary.device = device->info();
     {
-        SteppedShow show(options, help, **device, summary);
+        SteppedShow show(options, help, *device, summary);
         if (const auto opened = show.open(); !opened) {
-            complain(opened.error());
+            tell_error(opened.error());
             return kExitFailed;
         }
         if (const auto ran = show.run(began); !ran) {
-            complain(ran.error());
+            tell_error(ran.error());
             code = kExitFailed;
         }
     }
     summary.interrupted = help.interrupted();
     summary.wall_s = to_seconds(now_ns() - began);
-    if (const auto written = write_summary(options.headless / "summary.json", summary); !written) {
-        complain(written.error());
-        code = kExitFailed;
-    }
-    if (options.json) {
-        fmt::print("{}\n", to_json(summary).dump(2, ' ', false,
-                                                 nlohmann::ordered_json::error_handler_t::replace));
-    } else {
-        fmt::print("{}written into {}\n", to_text(summary), options.headless.string());
-    }
-    return code;
+    return end_run(options.headless, to_json(summary), to_text(summary), options.json, code);
 }
 
 }  // namespace kino

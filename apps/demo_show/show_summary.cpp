@@ -3,19 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "apps/headless/run_report.h"
 #include "skeleton/gestures/gesture_json.h"
 
 namespace kino {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json series_json(const TimeSeries& times) {
-    return {{"count", times.count()}, {"median_ms", times.median_ms()}, {"p95_ms", times.p95_ms()}};
-}
 
 Json gestures_json(const ShowSummary& summary) {
     Json out = Json::array();
@@ -84,15 +80,11 @@ Json to_json(const ShowSummary& s) {
             {"timing",
              {{"wall_s", s.wall_s},
               {"first_picture_ms", to_ms(s.first_picture)},
-              {"read", series_json(s.read)},
-              {"bodies", series_json(s.track)},
-              {"play", series_json(s.play)},
-              {"render", series_json(s.render)}}},
-            {"machine",
-             {{"device", s.device.name},
-              {"driver", s.device.driver},
-              {"is_cpu", s.device.is_cpu},
-              {"video_codec", s.video_codec}}}};
+              {"read", times_json(s.read)},
+              {"bodies", times_json(s.track)},
+              {"play", times_json(s.play)},
+              {"render", times_json(s.render)}}},
+            {"machine", machine_json(s.device, s.video_codec)}};
 }
 
 std::string to_text(const ShowSummary& s) {
@@ -114,15 +106,6 @@ std::string to_text(const ShowSummary& s) {
                         to_ms(s.first_picture), s.device.name, s.options.width, s.options.height,
                         s.wall_s, s.interrupted ? " (ended early by the user)" : "");
     return text;
-}
-
-Result<void> write_summary(const std::filesystem::path& path, const ShowSummary& summary) {
-    std::ofstream file(path, std::ios::binary);
-    // Names from files may hold bytes that are no UTF-8; those are replaced, not thrown at.
-    file << to_json(summary).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    file.close();
-    if (!file) return fail("could not be written", path.string());
-    return {};
 }
 
 }  // namespace kino

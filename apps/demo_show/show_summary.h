@@ -52,7 +52,5 @@ struct ShowSummary {
 [[nodiscard]] nlohmann::ordered_json to_json(const ShowSummary& summary);
 /// A few lines for a person.
 [[nodiscard]] std::string to_text(const ShowSummary& summary);
-[[nodiscard]] Result<void> write_summary(const std::filesystem::path& path,
-                                         const ShowSummary& summary);
 
 }  // namespace kino
