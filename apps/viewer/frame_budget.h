@@ -1,11 +1,15 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "apps/viewer/picture_cost.h"
 #include "apps/viewer/picture_levels.h"
+#include "apps/viewer/picture_work.h"
+#include "apps/viewer/surprises.h"
 #include "viz/frame/renderer.h"
 #include "viz/quality/governor/governor.h"
 #include "viz/scene/scene.h"
@@ -53,11 +57,16 @@ class FrameBudget {
     /// resize, a screenshot.
     void frame_took(const FrameResult& result, double frame_ms, bool says_nothing = false);
 
+    /// What hardly a frame takes longer than, judged by the last ones: how long before its turn to
+    /// begin a picture (frame_pacer.h). In every mode; the target before the first frame.
+    [[nodiscard]] double expected_ms() const;
     [[nodiscard]] const FrameChoice& choice() const { return choice_; }
     [[nodiscard]] double target_ms() const { return options_.target_ms; }
     [[nodiscard]] GovernorMode mode() const { return options_.mode; }
     void set_target(double ms);
     void set_mode(GovernorMode mode) { options_.mode = mode; }
+    /// Fixed levels: from the next frame on, as somebody else chooses (ZoomChooser).
+    void set_zoom(int zoom) { options_.zoom = zoom; }
     /// Expected parts of the frame at the level that was chosen; empty before anything was learnt
     /// and where the mode is not automatic.
     [[nodiscard]] std::vector<PictureCost::Part> parts() const;
@@ -77,6 +86,10 @@ class FrameBudget {
 
   private:
     void choose(const Scene& scene, const View& view);
+    /// The work is quite another than in the frame before.
+    [[nodiscard]] bool jumped(const PictureWork& before) const;
+    /// Share of the target that a choice may fill.
+    [[nodiscard]] double headroom() const;
     /// Whether a level is worth its error beside a better and dearer one.
     [[nodiscard]] bool pays(std::size_t level, double ms, double better_ms,
                             double better_error) const;
@@ -90,13 +103,19 @@ class FrameBudget {
     std::size_t level_ = 0;  ///< of levels_, that the frame is drawn at
     glm::ivec2 size_{0};
     bool staged_ = false;
+    PictureWork work_;
+    Surprises surprises_;
+    bool knew_groups_ = false;
     int late_in_a_row_ = 0;
     int frames_since_change_ = 0;
+    int frames_since_jump_ = 0;
     FrameChoice choice_;
     std::vector<Logged> log_;
     std::vector<Logged> replayed_;
     bool replays_ = false;
     std::int64_t frame_ = 0;
+    std::array<double, 32> recent_ms_{};
+    std::size_t recent_ = 0;  ///< of all frames' times
 };
 
 }  // namespace kino

@@ -25,14 +25,24 @@ constexpr double kSameShare = 0.05;
 constexpr std::int64_t kSameLoad = 90;  ///< frames
 constexpr int kSamePoints = 6;
 constexpr double kMostPart = 0.98;
+/// More lights hide each other and what they light: the time grows with this power of their count.
+constexpr double kLightsPower = 0.75;
+/// Shading and resizing work for every sample. A load that changed between two points makes it
+/// seem otherwise, and a level that seems worthless would never be tried again.
+constexpr double kLeastPart = 0.8;
+/// Of what drawing meshes takes.
+constexpr double kTrianglePart = 0.6;
 /// Of what a frame takes beside its light, so much grows with the pixels drawn, where no group says
 /// anything.
 constexpr double kPixelShare = 0.6;
 
-bool grows_with_pixels(std::string_view group) {
-    static const std::set<std::string_view> kGroups = {"raster", "normals", "final",
-                                                       "cull",   "frame",   "debug"};
-    return kGroups.count(group) > 0;
+/// Of a group's time at full size, what grows with the pixels before it is known better.
+double first_part(std::string_view group) {
+    static const std::map<std::string_view, double> kParts = {
+        {"raster", 0.5},      {"final", kMostPart}, {"resolve", kMostPart}, {"frame", 0.5},
+        {"debug", kMostPart}, {"meshes", 0.4},      {"normals", 0.05},      {"readback", 0.3}};
+    const auto known = kParts.find(group);
+    return known == kParts.end() ? 0 : known->second;
 }
 
 double pixels_of(glm::ivec2 size) {
@@ -57,15 +67,17 @@ PictureCost::Key PictureCost::key_of(std::string_view group, int occurrence,
     const std::string name = fmt::format("{}#{}", group, occurrence);
     const bool resized = level.lod > 1;
     const char* way = level.reconstruction == Reconstruction::bilinear ? "bilinear" : "guided";
-    if (group == "lod") return {name + way, Grows::resized};
-    if (group == "shadows") return {name, Grows::with_shaded};
+    // The coarse surface is picked, and later brought to full size.
+    if (group == "lod") return {name + way, occurrence == 0 ? Grows::picked : Grows::resized};
+    // Lights are sorted into the tiles of what is shaded.
+    if (group == "shadows" || group == "cull") return {name, Grows::with_shaded};
     if (group == "light") {
         // Shading comes first; what shading does not resize comes later.
         if (occurrence == 0) return {name, Grows::with_shaded};
         return resized ? Key{name + way, Grows::resized} : Key{name, Grows::not_resized};
     }
     if (group == "zoom") return {name, Grows::when_zoomed};
-    return {name, grows_with_pixels(group) ? Grows::with_drawn : Grows::never};
+    return {name, first_part(group) > 0 ? Grows::with_drawn : Grows::never};
 }
 
 double PictureCost::share_for(const Group& group, const PictureLevel& level, glm::ivec2 size) {
@@ -76,6 +88,8 @@ double PictureCost::share_for(const Group& group, const PictureLevel& level, glm
             return share.shaded;
         case Grows::with_drawn:
             return share.drawn;
+        case Grows::picked:
+            return resized && level.reconstruction == group.reconstruction ? share.shaded : -1;
         case Grows::resized:
             return resized && level.reconstruction == group.reconstruction ? share.drawn : -1;
         case Grows::not_resized:
@@ -88,9 +102,20 @@ double PictureCost::share_for(const Group& group, const PictureLevel& level, glm
     return 1;
 }
 
-double PictureCost::ms_of(const Group& group, const PictureLevel& level, glm::ivec2 size) {
+double PictureCost::more_lights(const PictureWork& work) const {
+    return std::pow(work.lights / first_work_.lights, kLightsPower);
+}
+
+double PictureCost::burden(const Group& group, const PictureWork& work) const {
+    if (group.grows == Grows::with_shaded) return more_lights(work);
+    if (group.name != "meshes") return 1;
+    return 1 - kTrianglePart + kTrianglePart * work.triangles / first_work_.triangles;
+}
+
+double PictureCost::ms_of(const Group& group, const PictureLevel& level, glm::ivec2 size,
+                          const PictureWork& work) const {
     const double share = share_for(group, level, size);
-    return share < 0 ? 0 : group.at(share);
+    return share < 0 ? 0 : burden(group, work) * group.at(share);
 }
 
 double PictureCost::Group::at(double share) const {
@@ -116,7 +141,7 @@ void PictureCost::Group::add(double share, double measured_ms, bool at_once, std
     if (!(slope + offset > 0)) return;
     const double weight = std::min(1.0, 2 * std::abs(then_x - x)) * 0.5;
     part += weight * (slope / (slope + offset) - part);
-    part = std::clamp(part, 0.0, kMostPart);
+    part = std::clamp(part, grows == Grows::with_drawn ? 0.0 : kLeastPart, kMostPart);
 }
 
 /// Of what this level would run and no frame has run yet.
@@ -149,21 +174,27 @@ double PictureCost::unmeasured_ms(const PictureLevel& level, glm::ivec2 size) co
     return ms;
 }
 
-double PictureCost::line_ms(const PictureLevel& level, glm::ivec2 size) const {
-    const PictureShare share = share_of(level, size);
-    const double others = 1 - kPixelShare + kPixelShare * share.drawn;
-    return line_.slope() * share.shaded + line_.offset() * others + unmeasured_ms(level, size);
+double PictureCost::shaded(const PictureShare& share, const PictureWork& work) const {
+    return share.shaded * more_lights(work);
 }
 
-double PictureCost::ms(const PictureLevel& level, glm::ivec2 size) const {
-    if (!knows_groups_) return has_line_ ? line_ms(level, size) : 0;
+double PictureCost::line_ms(const PictureLevel& level, glm::ivec2 size,
+                            const PictureWork& work) const {
+    const PictureShare share = share_of(level, size);
+    const double others = 1 - kPixelShare + kPixelShare * share.drawn;
+    return line_.slope() * shaded(share, work) + line_.offset() * others +
+           unmeasured_ms(level, size);
+}
+
+double PictureCost::ms(const PictureLevel& level, glm::ivec2 size, const PictureWork& work) const {
+    if (!knows_groups_) return has_line_ ? line_ms(level, size, work) : 0;
     double sum = std::max(0.0, rest_ms_) + unmeasured_ms(level, size);
-    for (const auto& [key, group] : groups_) sum += ms_of(group, level, size);
+    for (const auto& [key, group] : groups_) sum += ms_of(group, level, size, work);
     return sum;
 }
 
-std::vector<PictureCost::Part> PictureCost::parts(const PictureLevel& level,
-                                                  glm::ivec2 size) const {
+std::vector<PictureCost::Part> PictureCost::parts(const PictureLevel& level, glm::ivec2 size,
+                                                  const PictureWork& work) const {
     std::vector<Part> parts;
     const auto add = [&](const std::string& name, double ms) {
         if (!(ms > 0)) return;
@@ -176,12 +207,13 @@ std::vector<PictureCost::Part> PictureCost::parts(const PictureLevel& level,
         }
     };
     if (!knows_groups_) {
-        add("light", line_.slope() * share_of(level, size).shaded);
-        add("rest", ms(level, size) - line_.slope() * share_of(level, size).shaded);
+        const double light_ms = line_.slope() * shaded(share_of(level, size), work);
+        add("light", light_ms);
+        add("rest", ms(level, size, work) - light_ms);
         return parts;
     }
     for (const auto& [key, group] : groups_) {
-        add(group.name == "lod" ? "resize" : group.name, ms_of(group, level, size));
+        add(group.name == "lod" ? "resize" : group.name, ms_of(group, level, size, work));
     }
     std::stable_sort(parts.begin(), parts.end(),
                      [](const Part& a, const Part& b) { return a.ms > b.ms; });
@@ -189,11 +221,12 @@ std::vector<PictureCost::Part> PictureCost::parts(const PictureLevel& level,
     return parts;
 }
 
-void PictureCost::learn_line(const PictureLevel& drawn, glm::ivec2 size, double frame_ms) {
+void PictureCost::learn_line(const PictureLevel& drawn, glm::ivec2 size, const PictureWork& work,
+                             double frame_ms) {
     const PictureShare share = share_of(drawn, size);
     const double others = 1 - kPixelShare + kPixelShare * share.drawn;
     const double ms = std::max(0.0, frame_ms - unmeasured_ms(drawn, size)) / others;
-    const double x = share.shaded / others;
+    const double x = shaded(share, work) / others;
     if (!has_line_) {
         // Half of it light: a guess that the first change of the level puts right.
         line_ = CostModel(0.5 * ms / x, 0.5 * ms, kForgetting);
@@ -202,12 +235,15 @@ void PictureCost::learn_line(const PictureLevel& drawn, glm::ivec2 size, double 
     line_.add(x, ms);
 }
 
-void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size,
+void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size, const PictureWork& work,
                         std::span<const graph::GroupTime> groups, double frame_ms, bool at_once) {
     if (!std::isfinite(frame_ms) || frame_ms < 0) return;
     frame_ms_ = frame_ms;
-    ++frame_;
-    learn_line(drawn, size, frame_ms);
+    if (++frame_ == 1) {
+        first_work_ = {.lights = std::max(0.1, work.lights),
+                       .triangles = std::max(1.0, work.triangles)};
+    }
+    learn_line(drawn, size, work, frame_ms);
     if (groups.empty()) {
         knows_groups_ = false;
         return;
@@ -229,17 +265,21 @@ void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size,
             Group group{.name = time.group,
                         .grows = key.grows,
                         .reconstruction = drawn.reconstruction,
-                        .part = key.grows == Grows::never ? 0 : kMostPart,
-                        .ms = time.ms};
+                        .part = key.grows == Grows::never        ? 0
+                                : key.grows == Grows::with_drawn ? first_part(time.group)
+                                                                 : kMostPart};
+            group.ms = time.ms / burden(group, work);
             group.x = std::max(0.0, share_for(group, drawn, size));
             groups_.emplace(key.text, group);
             measured_ms += time.ms;
             continue;
         }
         Group& group = known->second;
-        measured_ms += measured ? time.ms : ms_of(group, drawn, size);
+        measured_ms += measured ? time.ms : ms_of(group, drawn, size, work);
         const double share = share_for(group, drawn, size);
-        if (measured && share >= 0) group.add(share, time.ms, at_once, frame_);
+        if (measured && share >= 0) {
+            group.add(share, time.ms / burden(group, work), at_once, frame_);
+        }
     }
     // What would have run at this level and did not is no longer called for.
     std::erase_if(groups_, [&](const auto& entry) {

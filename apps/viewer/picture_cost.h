@@ -8,23 +8,25 @@
 #include <vector>
 
 #include "apps/viewer/picture_levels.h"
+#include "apps/viewer/picture_work.h"
 #include "viz/graph/executor.h"
 #include "viz/quality/governor/cost_model.h"
 
 namespace kino {
 
 /// What pictures take, learnt from those that were drawn. A frame is the sum of its groups of
-/// passes: light grows with the samples that are shaded, reconstruction and what else is done for
-/// every pixel with the pixels that are drawn, the rest with neither. Until every group was
-/// measured on its own, a line through whole frames' times stands for them.
+/// passes: light grows with the samples that are shaded and the lights over them, reconstruction
+/// and what else is done for every pixel with the pixels that are drawn, the rest with neither.
+/// Until every group was measured on its own, a line through whole frames' times stands for them.
 class PictureCost {
   public:
     /// Milliseconds that a frame at this level is expected to take; 0 before anything was learnt.
-    [[nodiscard]] double ms(const PictureLevel& level, glm::ivec2 size) const;
+    [[nodiscard]] double ms(const PictureLevel& level, glm::ivec2 size,
+                            const PictureWork& work = {}) const;
     /// One frame: its groups in order (FrameReport::groups; negative times: not measured) and the
     /// whole of it. `at_once`: what it says is known to be no hiccup, and replaces what was known.
-    void learn(const PictureLevel& drawn, glm::ivec2 size, std::span<const graph::GroupTime> groups,
-               double frame_ms, bool at_once = false);
+    void learn(const PictureLevel& drawn, glm::ivec2 size, const PictureWork& work,
+               std::span<const graph::GroupTime> groups, double frame_ms, bool at_once = false);
     /// Every group of the last frame was measured at least once.
     [[nodiscard]] bool knows_groups() const { return knows_groups_; }
 
@@ -33,12 +35,14 @@ class PictureCost {
         std::string name;
         double ms = 0;
     };
-    [[nodiscard]] std::vector<Part> parts(const PictureLevel& level, glm::ivec2 size) const;
+    [[nodiscard]] std::vector<Part> parts(const PictureLevel& level, glm::ivec2 size,
+                                          const PictureWork& work = {}) const;
 
   private:
     enum class Grows : std::uint8_t {
         with_shaded,
         with_drawn,
+        picked,       ///< with the shaded samples, and only where light is resized
         resized,      ///< with the drawn pixels, and only where light is resized
         not_resized,  ///< and only where it is not
         when_zoomed,  ///< runs only then
@@ -68,13 +72,22 @@ class PictureCost {
     /// Share of the picture's pixels that a group works on; below 0: it does not run.
     [[nodiscard]] static double share_for(const Group& group, const PictureLevel& level,
                                           glm::ivec2 size);
-    [[nodiscard]] static double ms_of(const Group& group, const PictureLevel& level,
-                                      glm::ivec2 size);
+    /// How much more a group has to do with other lights and triangles than those of the first
+    /// frame, which all times are kept for.
+    [[nodiscard]] double more_lights(const PictureWork& work) const;
+    [[nodiscard]] double burden(const Group& group, const PictureWork& work) const;
+    [[nodiscard]] double ms_of(const Group& group, const PictureLevel& level, glm::ivec2 size,
+                               const PictureWork& work) const;
     [[nodiscard]] double unmeasured_ms(const PictureLevel& level, glm::ivec2 size) const;
-    [[nodiscard]] double line_ms(const PictureLevel& level, glm::ivec2 size) const;
-    void learn_line(const PictureLevel& drawn, glm::ivec2 size, double frame_ms);
+    [[nodiscard]] double line_ms(const PictureLevel& level, glm::ivec2 size,
+                                 const PictureWork& work) const;
+    /// Shaded samples, as dear as they are with this work.
+    [[nodiscard]] double shaded(const PictureShare& share, const PictureWork& work) const;
+    void learn_line(const PictureLevel& drawn, glm::ivec2 size, const PictureWork& work,
+                    double frame_ms);
 
     std::map<std::string, Group> groups_;
+    PictureWork first_work_;
     bool knows_groups_ = false;
     double rest_ms_ = -1;  ///< host and hand-over; below 0: not learnt yet
     double frame_ms_ = 0;  ///< of the last frame

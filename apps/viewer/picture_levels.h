@@ -20,18 +20,21 @@ struct PictureLevel {
     friend bool operator==(const PictureLevel&, const PictureLevel&) = default;
 };
 
-/// What is offered, best first. `staged`: light can be resized on its own. Errors of the light and
-/// of the zoom are added, which is more than they are together.
+/// What is offered, best first. `staged`: light can be resized on its own.
 [[nodiscard]] std::vector<PictureLevel> picture_levels(bool staged, int most_zoom);
 
 /// Mean FLIP of light that is shaded r times coarser: of the worst scene in
-/// docs/accuracy/framebuffer-lod.csv, between its r by the logarithm of r; 0 for r = 1. Guided:
-/// fine-grained; bilinear: light and surface colour together.
+/// docs/accuracy/framebuffer-lod.csv and governor.csv, between its r by the logarithm of r; 0 for
+/// r = 1. Guided: fine-grained; bilinear: light and surface colour together.
 [[nodiscard]] double lod_error(double r, Reconstruction reconstruction);
 
-/// Mean FLIP of a picture that is drawn z times coarser and enlarged; 0 for z = 1. Each doubling
-/// is taken to lose as much again.
+/// Mean FLIP of a picture that is drawn z times coarser and enlarged: of the worst scene in
+/// docs/accuracy/zoom.csv and governor.csv, between its z by the logarithm of z; 0 for z = 1.
 [[nodiscard]] double zoom_error(int z);
+
+/// Of both together: their sum, with light coarser by the root of z than it is, for in a coarse
+/// picture it loses more. Never less than was measured.
+[[nodiscard]] double picture_error(const PictureLevel& level);
 
 /// Pixels that are drawn, and light samples that are shaded, of a picture of `size`, both as shares
 /// of its pixels.

@@ -300,8 +300,7 @@ TEST(FrameBudget, OffLeavesTheOptionsAloneAndFixedSetsThem) {
     EXPECT_EQ(options.lod->r, 2.5);
     EXPECT_EQ(options.zoom.z, 3);
     EXPECT_EQ(options.timing, graph::Timing::frame);
-    EXPECT_NEAR(choice.estimated_error,
-                lod_error(2.5, Reconstruction::geometry_aware) + zoom_error(3), 1e-12);
+    EXPECT_DOUBLE_EQ(choice.estimated_error, picture_error({.lod = 2.5, .zoom = 3}));
     ASSERT_EQ(fixed.log().size(), 1u);
 }
 

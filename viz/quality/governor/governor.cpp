@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/check.h"
 
@@ -12,6 +13,10 @@ constexpr double kLearn = 0.2;  ///< weight of a new measurement of a part
 constexpr double kPace = 0.15;  ///< and of a whole frame
 constexpr double kOdd = 4;      ///< a frame this much slower than expected teaches nothing
 constexpr int kMostPatience = 1920;
+/// What failed is tried again when it costs so much less than it did.
+constexpr double kRelief = 0.25;
+/// Beside what failed, nothing is taken that is hardly cheaper.
+constexpr double kBelowFailure = 0.97;
 
 bool same_parts(std::span<const PartOffer> a, std::span<const PartOffer> b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -57,49 +62,97 @@ std::vector<std::size_t> Governor::fixed_choice(std::span<const PartOffer> wante
     return choice;
 }
 
-void Governor::reconsider(const std::vector<std::vector<Level>>& levels, bool new_parts) {
+std::vector<std::vector<Level>> Governor::near(
+    const std::vector<std::vector<Level>>& levels) const {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    auto near = levels;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        const double most = levels[i][choice_[i]].cost_ms + options_.small_step * target_ms();
+        for (std::size_t level = 0; level < levels[i].size(); ++level) {
+            const bool same = offered_[i].levels[level].kind == offered_[i].levels[choice_[i]].kind;
+            if (!same || levels[i][level].cost_ms > most) near[i][level].cost_ms = kNever;
+        }
+    }
+    return near;
+}
+
+double Governor::failed_cost(const std::vector<std::vector<Level>>& levels) const {
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    if (failed_.size() != levels.size() || frames_since_failure_ >= patience_) return kAny;
+    for (std::size_t i = 0; i < failed_.size(); ++i) {
+        if (failed_[i] >= levels[i].size()) return kAny;
+    }
+    const double now = sum_of(levels, failed_).cost_ms;
+    return now < (1 - kRelief) * failed_ms_ ? kAny : now;
+}
+
+void Governor::note_failure() {
+    // A new failure long after the last one is none of the same.
+    const bool one_of_many = frames_since_failure_ < 2 * patience_ + options_.calm_frames;
+    patience_ =
+        std::min(kMostPatience, 2 * std::max(one_of_many ? patience_ : 0, options_.calm_frames));
+    failed_ = choice_;
+    failed_ms_ = tried_ms_;
+    frames_since_failure_ = 0;
+}
+
+void Governor::change(std::vector<std::size_t> to, double cost_ms, int waited) {
+    choice_ = std::move(to);
+    tried_ms_ = cost_ms;
+    frames_since_change_ = 0;
+    late_in_a_row_ = 0;
+    up_waited_ = waited;
+    ++changes_;
+}
+
+void Governor::reconsider(const std::vector<std::vector<Level>>& levels, bool at_once) {
     const double budget = options_.headroom * options_.target_ms - pace_ * rest_ms_;
-    const auto wanted = choose_levels(levels, budget);
-    if (new_parts) {
-        choice_ = wanted;
-        frames_since_change_ = 0;
-        late_in_a_row_ = 0;
-        last_change_was_up_ = false;
+    auto wanted = choose_levels(levels, budget);
+    if (at_once) {
+        failed_.clear();
+        if (wanted != choice_) change(wanted, sum_of(levels, wanted).cost_ms, 0);
         return;
     }
     if (wanted == choice_) return;
     const Level now = sum_of(levels, choice_);
-    const Level then = sum_of(levels, wanted);
-    const bool late = late_in_a_row_ >= options_.late_frames;
-    if (late && then.cost_ms < now.cost_ms) {
-        // A step up that did not hold: wait twice as long before the next.
-        if (last_change_was_up_ && frames_since_change_ < 2 * options_.calm_frames) {
-            patience_ = std::min(kMostPatience, 2 * std::max(patience_, options_.calm_frames));
-        }
-        last_change_was_up_ = false;
-    } else {
-        const int calm = std::max(patience_, options_.calm_frames);
-        const bool better = then.error < (1 - options_.least_gain) * now.error;
+    const double wanted_ms = sum_of(levels, wanted).cost_ms;
+    if (late_in_a_row_ >= options_.late_frames && wanted_ms < now.cost_ms) {
+        if (up_waited_ > 0 && frames_since_change_ < 2 * up_waited_) note_failure();
+        return change(std::move(wanted), wanted_ms, 0);
+    }
+    const double most = std::min(budget, kBelowFailure * failed_cost(levels));
+    // Where one choice after the other fails, it is the load that comes and goes: cheaper ones wait
+    // half as long as the last that failed.
+    const int again =
+        frames_since_failure_ < patience_ ? std::max(1, patience_ / (2 * options_.calm_frames)) : 1;
+    const auto try_better = [&](const std::vector<std::vector<Level>>& among, int calm) {
+        if (frames_since_change_ < again * calm) return false;
+        auto better = choose_levels(among, most);
+        const Level then = sum_of(levels, better);
+        if (!(then.error < (1 - options_.least_gain) * now.error)) return false;
         // While even the cheapest is late, a choice that nothing is won by is given up all the
         // same.
         const bool wins_nothing = then.cost_ms <= now.cost_ms;
-        if (!better || frames_since_change_ < calm) return;
-        if (late_in_a_row_ > 0 && !wins_nothing) return;
-        last_change_was_up_ = !wins_nothing;
-    }
-    choice_ = wanted;
-    frames_since_change_ = 0;
-    late_in_a_row_ = 0;
-    ++changes_;
+        if (then.cost_ms > most && !wins_nothing) return false;
+        if (late_in_a_row_ > 0 && !wins_nothing) return false;
+        change(std::move(better), then.cost_ms, wins_nothing ? 0 : again * calm);
+        return true;
+    };
+    if (try_better(levels, options_.calm_frames) || !(options_.small_step > 0)) return;
+    try_better(near(levels), options_.small_calm_frames);
 }
 
-std::span<const std::size_t> Governor::begin_frame(std::span<const PartOffer> wanted) {
+std::span<const std::size_t> Governor::begin_frame(std::span<const PartOffer> wanted, bool jump) {
     for (const PartOffer& part : wanted) KINO_CHECK(!part.levels.empty());
     const bool new_parts = !same_parts(wanted, offered_) || choice_.size() != wanted.size();
     offered_.assign(wanted.begin(), wanted.end());
     const auto levels = costs(offered_);
     if (options_.mode == GovernorMode::automatic) {
-        reconsider(levels, new_parts);
+        if (new_parts) {
+            choice_.assign(offered_.size(), 0);
+            late_in_a_row_ = frames_since_change_ = up_waited_ = 0;
+        }
+        reconsider(levels, new_parts || jump);
     } else {
         choice_ = fixed_choice(offered_);
     }
@@ -125,6 +178,7 @@ void Governor::part_took(std::string_view name, double ms) {
 
 void Governor::frame_took(double ms, bool says_nothing) {
     ++frames_since_change_;
+    ++frames_since_failure_;
     if (says_nothing || !std::isfinite(ms) || ms < 0) return;
     late_in_a_row_ = ms > options_.late_above * options_.target_ms ? late_in_a_row_ + 1 : 0;
     if (!options_.learns) return;

@@ -23,6 +23,7 @@ struct LevelOffer {
     std::string name;
     double work = 1;
     double error = 0;
+    int kind = 0;  ///< small steps between levels of one kind are seen by nobody
 };
 
 /// Something whose accuracy can be traded for time in this frame; levels best first. What a scene
@@ -41,6 +42,10 @@ struct GovernorOptions {
     int calm_frames = 30;      ///< and after a change, better ones wait this long
     double least_gain = 0.05;  ///< share of the error that a better choice must save
     double late_above = 1;     ///< a frame is late beyond this many targets
+    /// Within their kinds, levels that take at most this share of the target more need to wait only
+    /// `small_calm_frames`; 0: all better ones wait for `calm_frames`.
+    double small_step = 0;
+    int small_calm_frames = 4;
     /// False: offers are times already (ms = work x first_ms_per_work), learnt by who makes them.
     bool learns = true;
     std::map<std::string, std::string> fixed;  ///< part -> level, for GovernorMode::fixed
@@ -48,22 +53,26 @@ struct GovernorOptions {
 
 /// Owns the frame budget. Parts are offered every frame; their costs are learnt from what they
 /// took, and the set of levels that loses least within the budget is chosen (choose_levels). Gets
-/// cheaper after a few late frames, better after a calm time that doubles whenever a step to better
-/// had to be taken back, so that it does not swing between two choices. A choice that is neither
-/// cheaper nor better than another is left after the calm time, late or not.
+/// cheaper after a few late frames, better after a calm time. A choice that had to be taken back
+/// waits twice as long as the last time, and so does all that is as dear, so that it does not swing
+/// between two. A choice that is neither cheaper nor better than another is left after the calm
+/// time, late or not.
 class Governor {
   public:
     explicit Governor(GovernorOptions options) : options_(std::move(options)) {}
 
     /// Levels for the frame that is about to be drawn, one index a part. Parts that were not
-    /// offered last time bring a new choice at once, from what their work is predicted to take.
-    [[nodiscard]] std::span<const std::size_t> begin_frame(std::span<const PartOffer> wanted);
+    /// offered last time bring a new choice at once, from what their work is predicted to take; so
+    /// does a `jump`, work that is known before drawing to be quite another than last time.
+    [[nodiscard]] std::span<const std::size_t> begin_frame(std::span<const PartOffer> wanted,
+                                                           bool jump = false);
     /// What a part of this frame took, where it was measured on its own.
     void part_took(std::string_view name, double ms);
     /// Ends the frame. `says_nothing`: pipelines were made, or the picture cut.
     void frame_took(double ms, bool says_nothing = false);
 
     void set_target(double ms) { options_.target_ms = ms; }
+    void set_headroom(double share) { options_.headroom = share; }
     [[nodiscard]] double target_ms() const { return options_.target_ms; }
     /// Of the frame begun last: what it is expected to take, and to lose.
     [[nodiscard]] double predicted_ms() const { return predicted_ms_; }
@@ -78,7 +87,14 @@ class Governor {
 
     [[nodiscard]] std::vector<std::vector<Level>> costs(std::span<const PartOffer> wanted) const;
     [[nodiscard]] std::vector<std::size_t> fixed_choice(std::span<const PartOffer> wanted) const;
-    void reconsider(const std::vector<std::vector<Level>>& levels, bool new_parts);
+    void reconsider(const std::vector<std::vector<Level>>& levels, bool at_once);
+    /// What is not beyond a small step from the choice.
+    [[nodiscard]] std::vector<std::vector<Level>> near(
+        const std::vector<std::vector<Level>>& levels) const;
+    /// Costs that a better choice stays below: those of the one that failed, while it waits.
+    [[nodiscard]] double failed_cost(const std::vector<std::vector<Level>>& levels) const;
+    void note_failure();
+    void change(std::vector<std::size_t> to, double cost_ms, int waited);
 
     GovernorOptions options_;
     std::map<std::string, Learnt, std::less<>> learnt_;
@@ -90,8 +106,12 @@ class Governor {
     double estimated_error_ = 0;
     int late_in_a_row_ = 0;
     int frames_since_change_ = 0;
-    int patience_ = 0;  ///< calm frames needed now; 0: options_.calm_frames
-    bool last_change_was_up_ = false;
+    int up_waited_ = 0;  ///< frames that the last change waited, if it was to better; else 0
+    std::vector<std::size_t> failed_;  ///< the choice that had to be taken back last
+    double tried_ms_ = 0;              ///< what the last change was thought to take
+    double failed_ms_ = 0;             ///< and the one that failed
+    int patience_ = 0;                 ///< frames that it waits
+    int frames_since_failure_ = 0;
     std::int64_t changes_ = 0;
 };
 
