@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/demo/demo_play.h"
+#include "tests/apps/stage/scene_bits.h"
 
 /// People made of a few numbers, a play to put them into, and what every scene of it must keep.
 namespace kino::test {
@@ -42,13 +43,6 @@ inline Body somebody(std::uint32_t id, double time_s, double x_m = 0, double z_m
         put(static_cast<Joint>(leg + 3), 0.13 * side, 1.0, -0.1);
     }
     return body;
-}
-
-inline Pose sensor_pose() {
-    const Pose tilted{.rotation = glm::angleAxis(0.1, glm::dvec3(1, 0, 0)) *
-                                  glm::angleAxis(0.4, glm::dvec3(0, 1, 0)),
-                      .translation = {1, 1.2, -3}};
-    return tilted * world_from_camera_axes();
 }
 
 inline GestureEvent gesture(GestureKind kind, std::uint32_t id = 1, Hand hand = Hand::right) {
@@ -135,41 +129,6 @@ inline glm::dvec3 light_of_all(const Scene& scene) {
     glm::dvec3 sum(0);
     for (const Light& light : scene.lights) sum += glm::dvec3(light.color);
     return sum;
-}
-
-/// A sum of all bits of what a scene would be drawn from.
-inline std::string bits_of(const Scene& scene) {
-    std::string bits;
-    const auto add = [&](const auto& value) {
-        bits.append(reinterpret_cast<const char*>(&value), sizeof value);
-    };
-    for (const Light& light : scene.lights) {
-        add(light.kind);
-        add(light.position);
-        add(light.direction);
-        add(light.color);
-        add(light.radius_m);
-    }
-    for (const MeshNode& node : scene.meshes) {
-        add(node.id);
-        add(node.world_from_object);
-        add(node.previous_world_from_object);
-        add(node.material);
-    }
-    for (const Material& material : scene.materials) add(material.emission);
-    add(scene.exposure);
-    add(scene.background_top);
-    add(scene.frame_index);
-    return std::to_string(std::hash<std::string>()(bits));
-}
-
-inline bool all_finite(const glm::dmat4& m) {
-    for (int c = 0; c < 4; ++c) {
-        for (int r = 0; r < 4; ++r) {
-            if (!std::isfinite(m[c][r])) return false;
-        }
-    }
-    return true;
 }
 
 inline void expect_sound(DemoPlay& play) {

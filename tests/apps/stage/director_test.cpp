@@ -11,6 +11,7 @@
 
 #include "apps/stage/bundled.h"
 #include "apps/stage/trail.h"
+#include "tests/apps/stage/scene_bits.h"
 #include "tests/support/random.h"
 
 namespace kino {
@@ -46,31 +47,14 @@ Body somebody(std::uint32_t id, double time_s, double x_m = 0) {
     return body;
 }
 
-/// A pose like a real sensor's: above the floor, a little turned and tilted.
-Pose sensor_pose() {
-    const Pose tilted{.rotation = glm::angleAxis(0.1, glm::dvec3(1, 0, 0)) *
-                                  glm::angleAxis(0.4, glm::dvec3(0, 1, 0)),
-                      .translation = {1, 1.2, -3}};
-    return tilted * world_from_camera_axes();
-}
-
 Scene step(Director& director, const BodyFrame* bodies, double dt_s = kStep) {
     director.step({.dt_s = dt_s,
                    .bodies = bodies,
-                   .world_from_depth = sensor_pose(),
-                   .middle_m = sensor_pose() * glm::dvec3(0, 0, 2.5)});
+                   .world_from_depth = test::sensor_pose(),
+                   .middle_m = test::sensor_pose() * glm::dvec3(0, 0, 2.5)});
     Scene scene;
     director.fill(scene);
     return scene;
-}
-
-bool all_finite(const glm::dmat4& m) {
-    for (int c = 0; c < 4; ++c) {
-        for (int r = 0; r < 4; ++r) {
-            if (!std::isfinite(m[c][r])) return false;
-        }
-    }
-    return true;
 }
 
 /// What every scene of every stage must keep.
@@ -84,8 +68,8 @@ void expect_sound(const Scene& scene) {
         EXPECT_LE(node.id, 65535u);
         EXPECT_NE(node.mesh, nullptr);
         EXPECT_LE(node.material, scene.materials.size());
-        EXPECT_TRUE(all_finite(node.world_from_object));
-        EXPECT_TRUE(all_finite(node.previous_world_from_object));
+        EXPECT_TRUE(test::all_finite(node.world_from_object));
+        EXPECT_TRUE(test::all_finite(node.previous_world_from_object));
     }
     std::size_t local = 0;
     for (const Light& light : scene.lights) {
@@ -102,28 +86,6 @@ void expect_sound(const Scene& scene) {
     EXPECT_LE(local, static_cast<std::size_t>(kMaxStageLights));
 }
 
-/// All bits of what a scene would be drawn from.
-std::string bits_of(const Scene& scene) {
-    std::string bits;
-    const auto add = [&](const auto& value) {
-        bits.append(reinterpret_cast<const char*>(&value), sizeof value);
-    };
-    for (const Light& light : scene.lights) {
-        add(light.kind);
-        add(light.position);
-        add(light.direction);
-        add(light.color);
-        add(light.radius_m);
-    }
-    for (const MeshNode& node : scene.meshes) {
-        add(node.id);
-        add(node.world_from_object);
-        add(node.previous_world_from_object);
-        add(node.material);
-    }
-    return bits;
-}
-
 TEST(Director, LightsAreWhereTheJointsAreInEveryFrame) {
     Director director(stage_of(R"("roles": [{"light": {"intensity": 2}, "fade_s": 0}])"));
     for (int i = 0; i < 40; ++i) {
@@ -132,7 +94,7 @@ TEST(Director, LightsAreWhereTheJointsAreInEveryFrame) {
         ASSERT_EQ(scene.lights.size(), kJointCount);
         for (std::size_t j = 0; j < kJointCount; ++j) {
             const glm::dvec3 joint =
-                sensor_pose() * glm::dvec3(frame.bodies[0].joints[j].position_m);
+                test::sensor_pose() * glm::dvec3(frame.bodies[0].joints[j].position_m);
             EXPECT_LT(glm::distance(scene.lights[j].position, joint), 1e-3) << i << " " << j;
         }
     }
@@ -154,11 +116,11 @@ TEST(Director, OffsetsAndDirectionsAreInStageAxesAndLimbsAimAlongThem) {
     EXPECT_NEAR(glm::length(off), 0.5, 1e-9);
     EXPECT_NEAR(off.y, 0, 1e-9);
     // z of the stage points to the sensor.
-    const glm::dvec3 to_sensor = sensor_pose().translation - hand;
+    const glm::dvec3 to_sensor = test::sensor_pose().translation - hand;
     EXPECT_GT(glm::dot(off, to_sensor), 0.4 * glm::length(to_sensor));
     EXPECT_NEAR(glm::dot(scene.lights[0].direction, off), 0.5, 1e-9);
     const glm::dvec3 wrist =
-        sensor_pose() * glm::dvec3(frame.bodies[0][Joint::wrist_right].position_m);
+        test::sensor_pose() * glm::dvec3(frame.bodies[0][Joint::wrist_right].position_m);
     EXPECT_NEAR(glm::dot(scene.lights[1].direction, glm::normalize(hand - wrist)), 1, 1e-6);
     // The same but for the part towards the viewer, which goes into the picture.
     const glm::dvec3 out = 2.0 * off;
@@ -174,11 +136,11 @@ TEST(Director, TheFloorIsUnderTheFeetAndTheStageFacesTheSensor) {
     ASSERT_TRUE(director.world_from_stage());
     const Pose& stage = *director.world_from_stage();
     const glm::dvec3 foot =
-        sensor_pose() * glm::dvec3(frame.bodies[0][Joint::foot_right].position_m);
+        test::sensor_pose() * glm::dvec3(frame.bodies[0][Joint::foot_right].position_m);
     EXPECT_NEAR(stage.translation.y, foot.y, 0.08);
     EXPECT_LT(stage.translation.y, foot.y);
     EXPECT_NEAR((stage.rotation * glm::dvec3(0, 1, 0)).y, 1, 1e-12);
-    const glm::dvec3 local = inverse(stage) * sensor_pose().translation;
+    const glm::dvec3 local = inverse(stage) * test::sensor_pose().translation;
     EXPECT_NEAR(local.x, 0, 1e-9);
     EXPECT_GT(local.z, 2);
     EXPECT_TRUE(is_valid(stage));
@@ -215,7 +177,7 @@ TEST(Director, TrailsKeepTheirSpacingLengthAndLife) {
         }
         // The newest is within a spacing of the hand.
         const glm::dvec3 hand =
-            sensor_pose() * glm::dvec3(frame.bodies[0][Joint::hand_right].position_m);
+            test::sensor_pose() * glm::dvec3(frame.bodies[0][Joint::hand_right].position_m);
         ASSERT_FALSE(scene.lights.empty());
         EXPECT_LT(glm::distance(scene.lights[0].position, hand), 0.0301);
     }
@@ -403,7 +365,7 @@ TEST(Director, TheSameMomentsGiveTheSameBits) {
             std::string bits;
             for (int i = 0; i < 25; ++i) {
                 const BodyFrame frame{.bodies = {somebody(1, i * kStep), somebody(2, i, 1)}};
-                bits += bits_of(step(director, i % 9 == 8 ? nullptr : &frame));
+                bits += test::bits_of(step(director, i % 9 == 8 ? nullptr : &frame));
             }
             runs.push_back(bits);
         }
