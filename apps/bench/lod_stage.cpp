@@ -12,6 +12,7 @@
 #include "tests/scenes/raster_scenes.h"
 #include "tests/viz/host_copies.h"
 #include "viz/frame/renderer.h"
+#include "viz/light/light_passes.h"
 
 namespace kino::bench {
 namespace {
@@ -277,24 +278,50 @@ Result<void> LodPlayer::draw(What what, const FramebufferLodOptions& options,
         out = shade(graph, fine, view);
     } else {
         const CoarseSurface coarse = add_coarse_surface(graph, fine, view, options);
-        const VkExtent2D size{static_cast<std::uint32_t>(coarse.view.width),
-                              static_cast<std::uint32_t>(coarse.view.height)};
-        if (what == What::reconstruction &&
-            (coarse_.extent().width != size.width || coarse_.extent().height != size.height)) {
-            const Image<std::uint64_t> grey(coarse.view.width, coarse.view.height,
-                                            0x3C00380038003800u);
-            KINO_TRY(fill(device_, coarse_, coarse.view.width, coarse.view.height, kLinear,
-                          grey.data(), grey.size() * 8));
+        if (what != What::resized) {
+            KINO_TRY(fill_grey(coarse_, coarse.view.width, coarse.view.height));
         }
+        const LodFinish finish{.target = target(graph)};
         const TextureId linear = what == What::resized ? shade(graph, coarse.surface, coarse.view)
                                                        : imported(graph, "shaded", coarse_);
-        out = add_reconstruction(graph, linear, coarse, fine, view, options);
+        out = add_reconstruction(graph, linear, coarse, fine, view, options, nullptr,
+                                 what == What::finished ? &finish : nullptr);
     }
     graph.require(out);
     if (reading_) test::read_back(graph, out, readback_);
     const auto report = executor_.run(graph, timing);
     if (!report) return fail(report.error());
     return {};
+}
+
+Result<void> LodPlayer::fill_grey(gpu::Texture& texture, int width, int height) {
+    if (static_cast<int>(texture.extent().width) == width &&
+        static_cast<int>(texture.extent().height) == height) {
+        return {};
+    }
+    const Image<std::uint64_t> grey(width, height, 0x3C00380038003800u);
+    return fill(device_, texture, width, height, kLinear, grey.data(), grey.size() * 8);
+}
+
+TextureId LodPlayer::target(FrameGraph& graph) const {
+    return graph.create_texture(
+        "target", {static_cast<std::uint32_t>(stage_.view.width),
+                   static_cast<std::uint32_t>(stage_.view.height), VK_FORMAT_R8G8B8A8_UNORM});
+}
+
+Result<void> LodPlayer::last_pass() {
+    FrameGraph graph(executor_.history());
+    KINO_TRY(fill_grey(whole_, stage_.view.width, stage_.view.height));
+    Scene scene;
+    scene.color_mode = ColorMode::relit;
+    graph.require(add_final_pass(graph, scene, imported(graph, "whole", whole_), target(graph)));
+    const auto report = executor_.run(graph, graph::Timing::frame);
+    if (!report) return fail(report.error());
+    return {};
+}
+
+Result<void> LodPlayer::finished(const FramebufferLodOptions& options) {
+    return draw(What::finished, options, graph::Timing::frame);
 }
 
 Result<void> LodPlayer::direct() {

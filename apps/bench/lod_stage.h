@@ -44,6 +44,10 @@ class LodPlayer {
     [[nodiscard]] Result<void> resized(const FramebufferLodOptions& options);
     /// The same without shading: the coarse picture is what was shaded last at this size.
     [[nodiscard]] Result<void> reconstruction(const FramebufferLodOptions& options);
+    /// And the picture finished on the way: exposure, tone map, sRGB, dither.
+    [[nodiscard]] Result<void> finished(const FramebufferLodOptions& options);
+    /// The last pass alone, as every picture that is not finished on the way needs it.
+    [[nodiscard]] Result<void> last_pass();
     /// Milliseconds of each pass of the last resized() drawn once more, pass by pass.
     [[nodiscard]] Result<std::vector<graph::GroupTime>> pass_times(
         const FramebufferLodOptions& options);
@@ -54,13 +58,17 @@ class LodPlayer {
     [[nodiscard]] const LodStage& stage() const { return stage_; }
 
   private:
-    enum class What : std::uint8_t { direct, resized, reconstruction };
+    enum class What : std::uint8_t { direct, resized, reconstruction, finished };
     LodPlayer(gpu::Device& device, LodStage stage)
         : device_(device),
           stage_(std::move(stage)),
           pipelines_(device),
           executor_(device, pipelines_) {}
     Result<void> draw(What what, const FramebufferLodOptions& options, graph::Timing timing);
+    /// A grey picture of a size, made once.
+    Result<void> fill_grey(gpu::Texture& texture, int width, int height);
+    /// Where finished pictures go.
+    graph::TextureId target(graph::FrameGraph& graph) const;
     graph::TextureId shade(graph::FrameGraph& graph, const SurfaceTargets& surface,
                            const View& view);
 
@@ -70,6 +78,7 @@ class LodPlayer {
     graph::Executor executor_;
     gpu::Texture albedo_, z_, normal_;
     gpu::Texture coarse_;  ///< shaded last, for reconstruction()
+    gpu::Texture whole_;   ///< for last_pass()
     gpu::Buffer readback_;
     bool reading_ = false;
 };

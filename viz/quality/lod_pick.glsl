@@ -16,10 +16,21 @@ layout(location = 0) out vec4 out_albedo;
 layout(location = 1) out float out_view_z;
 layout(location = 2) out vec2 out_normal;
 
+// floor((at + 1/2) fine / coarse), exactly: a quotient in floats, one off at most, and what is left
+// over says which way. CPU devices divide whole numbers one lane at a time.
+ivec2 fine_texel(uvec2 at) {
+    ivec2 above = ivec2((2u * at + 1u) * p.fine);
+    ivec2 below = ivec2(2u * p.coarse);
+    ivec2 q = ivec2(vec2(above) / vec2(below));
+    ivec2 left = above - q * below;
+    q -= ivec2(lessThan(left, ivec2(0)));
+    return q + ivec2(greaterThanEqual(left, below));
+}
+
 // One fine texel for each coarse one, the nearest: guides are never averaged.
 void main() {
     uvec2 at = uvec2(gl_FragCoord.xy);
-    ivec2 from = ivec2((2u * at + 1u) * p.fine / (2u * p.coarse));
+    ivec2 from = fine_texel(at);
     float z = texelFetch(view_z, from, 0).r;
     vec2 packed_normal = texelFetch(normal, from, 0).rg;
     vec3 n = from_octahedral(packed_normal);
