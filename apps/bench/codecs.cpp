@@ -306,9 +306,9 @@ Result<Sets> read_all() {
     return sets;
 }
 
-/// Three from all over the set.
+/// Two from all over the set.
 std::vector<Picture> some_of(const std::vector<Picture>& pictures) {
-    constexpr std::size_t kSome = 3;
+    constexpr std::size_t kSome = 2;
     std::vector<Picture> some;
     for (std::size_t i = 0; i < std::min(kSome, pictures.size()); ++i) {
         some.push_back(pictures[i * pictures.size() / kSome]);

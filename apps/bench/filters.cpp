@@ -194,35 +194,48 @@ void bench_synthetic(BenchContext& context) {
     const int count = kWarmUp + (context.quick() ? 2 : 8);
     const auto shots = synthetic_shots(Motion::dance, count);
     if (!shots) return context.fail(shots.error());
-    const std::string dance = "synthetic dance 640x480";
-    sweep(context, dance, "spatial radius, px", "spatial radius: ", *shots,
-          levels("spatial", "radius", {"1", "2", "3", "4"}), {surfaces(), edges()});
-    sweep(context, dance, "spatial sigmas", "spatial sigmas: ", *shots,
-          levels("spatial", "sigmas", {"2", "3", "4", "5", "7", "10", "20"}),
-          {surfaces(), edges()});
-    sweep(context, dance, "temporal alpha", "temporal alpha: ", *shots,
-          levels("temporal", "alpha", {"1", "0.5", "0.3", "0.15", "0.1", "0.05"}),
-          {surfaces(), edges()});
-    sweep(context, dance, "temporal sigmas", "temporal sigmas: ", *shots,
-          levels("temporal", "sigmas", {"3", "4.5", "7", "15", "50"}), {surfaces(), edges()});
-    sweep(context, dance, "holes gap, px", "holes: ", *shots,
-          levels("holes", "gap", {"1", "2", "4", "8", "16", "32"}), {overall(), filled()});
-    sweep(context, dance, "holes angle, degrees", "holes angle: ", *shots,
-          levels("holes", "angle", {"0", "20", "40", "60", "75"}), {edges(), flying()});
-    sweep(context, dance, "holes edge, px", "holes edge: ", *shots,
-          levels("holes", "edge", {"0", "1", "2", "3", "4", "6", "8"}), {edges(), flying()});
-    sweep(context, dance, "temporal persistence", "temporal persistence: ", *shots,
-          levels("temporal", "persistence", {"0", "1", "2", "4", "8"}), {edges(), flying()});
-    sweep(context, dance, "decimate factor", "decimate: ", *shots,
-          levels("decimate", "factor", {"1", "2", "3", "4", "8"}), {surfaces(), flying()});
+    struct Sweep {
+        const char *filter, *key, *unit;
+        std::vector<std::string> levels;
+        std::vector<Measure> metrics;
+    };
+    const auto run = [&](const std::string& case_name, const std::vector<Shot>& on,
+                         const std::vector<Sweep>& sweeps) {
+        for (const Sweep& s : sweeps) {
+            const std::string what = fmt::format("{} {}", s.filter, s.key);
+            sweep(context, case_name, what + s.unit, what + ": ", on,
+                  levels(s.filter, s.key, s.levels), s.metrics);
+        }
+    };
+    const std::vector<Measure> both = {surfaces(), edges()}, outlines = {edges(), flying()};
+    run("synthetic dance 640x480", *shots,
+        {{"spatial", "radius", ", px", {"1", "2", "3", "4"}, both},
+         {"spatial", "sigmas", "", {"2", "3", "4", "5", "6", "7", "10", "20"}, both},
+         {"spatial", "noise", "", {"0.0005", "0.001", "0.0017", "0.003", "0.006"}, both},
+         {"temporal", "alpha", "", {"1", "0.5", "0.3", "0.15", "0.1", "0.05"}, both},
+         {"temporal", "sigmas", "", {"3", "4.5", "7", "15", "50"}, both},
+         {"temporal", "noise", "", {"0.0005", "0.001", "0.0017", "0.003", "0.006"}, both},
+         {"temporal", "running", "", {"0", "1"}, both},
+         {"temporal", "soft", "", {"0", "1"}, both},
+         {"temporal", "persistence", "", {"0", "1", "2", "4", "8"}, outlines},
+         {"holes", "gap", ", px", {"1", "2", "4", "8", "16", "32"}, {overall(), filled()}},
+         {"holes", "angle", ", degrees", {"0", "20", "40", "60", "75"}, outlines},
+         {"holes", "edge", ", px", {"0", "1", "2", "3", "4", "6", "8"}, outlines},
+         {"holes", "steps", "", {"0", "1", "3", "6", "12"}, outlines},
+         {"holes", "background", "", {"0", "1"}, {overall(), flying()}},
+         {"decimate", "factor", "", {"1", "2", "3", "4", "8"}, {surfaces(), flying()}},
+         {"decimate", "readings", "", {"1", "2", "3", "4"}, {surfaces(), lost()}}});
 
     // Another motion than the one our defaults were chosen on.
     auto mixed = synthetic_shots(Motion::walk, count);
     if (!mixed) return context.fail(mixed.error());
     for (std::size_t i = 0; i < mixed->size(); ++i) mix_edges((*mixed)[i], 0.3, 100 + i);
     const std::string mixed_name = "synthetic walk 640x480, 30 % of edge pixels mixed";
-    sweep(context, mixed_name, "flying steps", "flying: ", *mixed,
-          levels("flying", "steps", {"0.5", "1", "2", "3", "6", "12"}), {flying(), lost()});
+    run(mixed_name, *mixed,
+        {{"flying", "steps", "", {"0.5", "1", "2", "3", "6", "12"}, {flying(), lost()}},
+         {"flying", "angle", ", degrees", {"40", "60", "70", "80", "85"}, {flying(), lost()}},
+         {"flying", "support", "", {"0", "1", "2", "3", "4", "6"}, {flying(), lost()}},
+         {"decimate", "steps", "", {"0.5", "1", "3", "6", "20"}, {surfaces(), flying()}}});
 
     std::vector<Way> ways;
     const auto ours = [&](const std::string& specification) {

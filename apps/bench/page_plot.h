@@ -18,17 +18,21 @@ struct PlotPoint {
     bool is_default = false;  ///< what the program does if not asked
 };
 
-/// A picture of `metric` against time (or, where rows have no times, against the knob).
+/// A picture of `metric` against time; against the knob where rows have no times, or where the knob
+/// is a number and all its levels take the same time but for noise.
 struct PagePlot {
     std::string knob;
     std::string metric;
     bool against_time = true;
     bool higher_is_better = false;
     std::vector<PlotPoint> points;
+    std::string same_time{};  ///< "1.27 to 1.3 ms", where the knob does not change the time
+    std::string price{};      ///< what is paid instead of time and goes across, e.g. "lag, ms"
+    bool named = false;       ///< levels are words without times or price: a line of marks a level
 };
 
 /// The plots of one table: one for every knob and metric whose rows have a time and an error, then
-/// those of knobs that are numbers without times. `defaults`: see page_defaults.h.
+/// those of knobs without times: against what else is paid, against the knob, or by level.
 [[nodiscard]] std::vector<PagePlot> plots_of(std::string_view bench,
                                              std::span<const BenchRow> rows);
 
@@ -37,15 +41,5 @@ struct PagePlot {
 
 /// Marks the points that no other point of the same case dominates.
 void mark_front(PagePlot& plot);
-
-/// The plot as an <svg> element for a page: colours are the classes s0 .. s7 and currentColor, so
-/// the page's style decides. Ids are not used.
-[[nodiscard]] std::string svg_of(const PagePlot& plot);
-
-/// The mark of a plot's n-th case, for a key.
-[[nodiscard]] std::string series_mark(std::size_t series);
-
-/// Text for HTML and attributes.
-[[nodiscard]] std::string escape_html(std::string_view text);
 
 }  // namespace kino::bench

@@ -45,7 +45,20 @@ svg .s6.f { fill: var(--s6); } svg .s7.f { fill: var(--s7); }
 .k { margin: 4px 0 0; padding: 0; list-style: none; display: flex; flex-wrap: wrap;
   gap: 2px 12px; font-size: 12px; color: var(--quiet); }
 .k li { display: flex; align-items: center; gap: 4px; } .k svg { width: 14px; flex: none; }
-details { margin-top: 4px; } summary { cursor: pointer; font-size: 13px; color: var(--quiet); }
+details { margin-top: 8px; } summary { cursor: pointer; font-size: 13px; color: var(--link); }
+.x { border: 1px solid var(--miss); border-radius: 8px; padding: 6px 14px 10px; margin: 12px 0; }
+.x ul { margin: 6px 0 0; padding-left: 20px; font-size: 13px; } ul.m { margin: 0; font-size: 14px; }
+svg.i { display: inline-block; width: 18px; height: 18px; vertical-align: -4px; }
+svg.i [class^="s"] { fill: var(--card); stroke-width: 1.6; } svg.i .s0.f { fill: var(--s0); }
+.w { overflow: auto; max-height: 70vh; margin-top: 6px; border: 1px solid var(--line);
+  border-radius: 8px; background: var(--card); }
+table { border-collapse: collapse; font-size: 12.5px; width: 100%; }
+th, td { text-align: left; padding: 3px 10px; border-bottom: 1px solid var(--line);
+  font-variant-numeric: tabular-nums; vertical-align: top; }
+thead th { position: sticky; top: 0; background: var(--card); } tr.b td { font-weight: 700; }
+th[colspan] { padding-top: 12px; }
+:target { scroll-margin-top: 8px; } figure:target { border-color: var(--link); }
+a:focus-visible, summary:focus-visible, .w:focus-visible { outline: 2px solid var(--link); }
 @media print { figure { break-inside: avoid; } }
 )css";
 

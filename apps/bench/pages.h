@@ -28,7 +28,7 @@ struct PageEntry {
 /// docs/accuracy/index.html: everything in one file, without script and without network.
 [[nodiscard]] std::string accuracy_page(std::span<const PageEntry> entries);
 
-/// Both, and writes FOLDER/index.html.
+/// Both, and writes FOLDER/index.html and FOLDER/README.md (see knobs.h).
 [[nodiscard]] Result<void> write_pages(const std::filesystem::path& folder);
 
 }  // namespace kino::bench

@@ -143,6 +143,13 @@ std::string time_bars(const Rows& rows) {
            "plot $bars using ($1/2):2:($1/2):(0.35) with boxxyerror notitle\n";
 }
 
+std::string missed_words(const BenchContext& bench) {
+    const auto missed = std::count_if(bench.claims().begin(), bench.claims().end(),
+                                      [](const auto& claim) { return !claim.holds; });
+    if (missed == 0) return {};
+    return fmt::format(" ({} of {} claims do not hold)", missed, bench.claims().size());
+}
+
 }  // namespace
 
 std::string gnuplot_program(const BenchContext& bench, const std::filesystem::path& svg) {
@@ -171,7 +178,7 @@ std::string gnuplot_program(const BenchContext& bench, const std::filesystem::pa
             "set output {}\nset grid\nset key outside right top noenhanced\n"
             "set multiplot layout {},1 title {} noenhanced\n",
             std::min<std::size_t>(300 * knob_metrics.size(), 2400), gnuplot_string(svg.string()),
-            knob_metrics.size(), gnuplot_string(bench.name()));
+            knob_metrics.size(), gnuplot_string(bench.name() + missed_words(bench)));
         for (std::size_t i = 0; i < knob_metrics.size(); ++i) {
             text += knob_panel(knob_panels[knob_metrics[i]], static_cast<int>(i));
         }
@@ -186,7 +193,7 @@ std::string gnuplot_program(const BenchContext& bench, const std::filesystem::pa
         "set output {}\nset grid\nset key outside right top noenhanced\n"
         "set xlabel 'ms, median'\nset multiplot layout {},1 title {} noenhanced\n",
         height, gnuplot_string(svg.string()), count,
-        gnuplot_string(bench.name() + ": error against time"));
+        gnuplot_string(bench.name() + ": error against time" + missed_words(bench)));
     if (metrics.empty()) {
         text += time_bars(timed);
     } else {

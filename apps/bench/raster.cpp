@@ -214,27 +214,35 @@ class RasterBench {
         }
     }
 
-    /// Larger splats cover more of the surface that the mesh would show.
-    void splat_caps(const LiveDepth& cloud, const View& view) {
+    struct CloudLevel {
+        std::string name;
+        int splat_cap_px = 1;
+        bool fill_holes = true;
+    };
+    /// How much of the surface that the mesh would show a cloud leaves empty.
+    void cloud_levels(const LiveDepth& cloud, const NamedView& named, const std::string& knob,
+                      const std::vector<CloudLevel>& levels) {
         LiveDepth mesh = cloud;
         mesh.style = DepthStyle::mesh;
-        const auto reference = reference_picture(mesh, view);
+        const auto reference = reference_picture(mesh, named.view);
         std::vector<Timing> timings;
-        const std::vector<int> caps = {1, 2, 3, 4, 8};
-        timings.reserve(caps.size());
-        for (const int cap : caps) timings.push_back({fmt::format("{} px", cap), {}});
+        for (const CloudLevel& level : levels) timings.push_back({level.name, {}});
         LiveDepth live = cloud;
+        const auto turn = [&](const CloudLevel& level) {
+            live.splat_cap_px = level.splat_cap_px;
+            live.fill_holes = level.fill_holes;
+        };
         for (int round = -2; round < (context_.quick() ? 5 : 21); ++round) {
-            for (std::size_t i = 0; i < caps.size(); ++i) {
-                live.splat_cap_px = caps[i];
-                const double ms = draw(live, view, RasterPath::compute).total_ms;
+            for (std::size_t i = 0; i < levels.size(); ++i) {
+                turn(levels[i]);
+                const double ms = draw(live, named.view, RasterPath::compute).total_ms;
                 if (round >= 0) timings[i].ms.push_back(ms);
             }
         }
         const Comparison comparison(timings);
-        for (std::size_t i = 0; i < caps.size(); ++i) {
-            live.splat_cap_px = caps[i];
-            const FrameResult frame = draw_to_compare(live, view, RasterPath::compute);
+        for (const CloudLevel& level : levels) {
+            turn(level);
+            const FrameResult frame = draw_to_compare(live, named.view, RasterPath::compute);
             std::int64_t missing = 0;
             std::int64_t count = 0;
             for (std::size_t p = 0; p < reference.size(); ++p) {
@@ -242,12 +250,12 @@ class RasterBench {
                 ++count;
                 missing += !(frame.surface.view_z_m.pixels()[p] > 0);
             }
-            context_.add({.case_name = "close-up cloud",
-                          .knob = "splat cap",
-                          .level = timings[i].name,
+            context_.add({.case_name = named.name + " cloud",
+                          .knob = knob,
+                          .level = level.name,
                           .error = static_cast<double>(missing) / static_cast<double>(count),
                           .metric = "share of the mesh left empty",
-                          .baseline = timings[0].name},
+                          .baseline = levels[0].name},
                          comparison);
         }
     }
@@ -413,7 +421,9 @@ void bench_raster(BenchContext& context) {
     }
     bench.resolutions(*recorded, views[1].view);
     live.style = DepthStyle::cloud;
-    bench.splat_caps(live, views[2].view);
+    bench.cloud_levels(live, views[2], "splat cap",
+                       {{"1 px", 1}, {"2 px", 2}, {"3 px", 3}, {"4 px", 4}, {"8 px", 8}});
+    bench.cloud_levels(live, views[0], "hole filling", {{"off", 1, false}, {"on", 1, true}});
     bench.light_rates(live, views[1].view);
     bench.parts_and_whole(live, views[1].view);
     bench.whole_frames(live, views[1].view);

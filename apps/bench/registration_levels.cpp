@@ -175,6 +175,43 @@ void bench_coverage(BenchContext& context, const RoomSizes& sizes) {
                   splat.empty == 0 && splat.wrong < theirs.wrong);
 }
 
+/// How far behind the nearest surface a reading loses its colour.
+void bench_occlusion(BenchContext& context, const RoomSizes& sizes) {
+    const std::string what = fmt::format("room, depth {}x{}, colour {}x{}", sizes.depth_width,
+                                         sizes.depth_height, sizes.color_width, sizes.color_height);
+    const RigParameters parameters = make_room_rig(sizes);
+    const Image<glm::dvec2> rays = reference::rays(parameters.depth);
+    const auto scene = reference::registration_room();
+    const DepthFrame frame = reference::depth_frame(scene, parameters, rays, 0.001);
+    const auto truth =
+        reference::registration_truth(scene, parameters, rays, reference::rays(*parameters.color));
+    std::vector<std::string> levels;
+    std::vector<bench::Candidate> candidates;
+    std::vector<RegisteredDepth> out(7);
+    for (const int margin_mm : {0, 10, 20, 30, 60, 120, -1}) {
+        auto rig = Rig::create(parameters, {.occlusion_margin_m = 0.001 * std::max(margin_mm, 0),
+                                            .occlusion_test = margin_mm >= 0});
+        if (!rig) return context.fail(rig.error());
+        levels.push_back(margin_mm < 0 ? "no test" : std::to_string(margin_mm));
+        candidates.push_back({levels.back(), [&frame, &target = out[candidates.size()],
+                                              rig = std::make_shared<Rig>(std::move(*rig))] {
+                                  (void)rig->register_depth(frame, target);
+                              }});
+    }
+    const bench::Comparison times =
+        context.compare("occlusion margin, " + what, candidates, {.repeats = 15});
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        RoomScore score;
+        score_color(truth, frame, out[i].uv, score);
+        context.add({.case_name = what,
+                     .knob = "occlusion margin, mm",
+                     .level = levels[i],
+                     .error = score.wrong_color,
+                     .metric = "share colour wrong, by margin"},
+                    times);
+    }
+}
+
 void bench_ray_tables(BenchContext& context, const std::string& what, RigParameters parameters) {
     parameters.min_depth_m = 0;
     const Image<glm::dvec2> exact = reference::rays(parameters.depth);
@@ -251,6 +288,7 @@ void bench_real_lenses(BenchContext& context) {
 
 void bench_registration_levels(BenchContext& context) {
     bench_coverage(context, {320, 240, 640, 480});
+    bench_occlusion(context, {320, 240, 640, 480});
     if (!context.quick()) {
         bench_coverage(context, {640, 480, 640, 480});
         bench_coverage(context, {320, 240, 1280, 720});

@@ -17,6 +17,7 @@
 #include "apps/bench/csv_read.h"
 #include "apps/bench/page_defaults.h"
 #include "apps/bench/page_plot.h"
+#include "apps/bench/page_svg.h"
 #include "apps/bench/run_all.h"
 #include "apps/bench/table.h"
 #include "tests/support/random.h"
@@ -250,12 +251,12 @@ TEST(Pages, MissingAndBrokenTablesAreSaid) {
     temp.write("raster.csv", std::string(csv_header()) + "raster,a,k,l,1,,2,m,,\n");
     EXPECT_FALSE(write_pages(temp.path())) << "no page";
     temp.write("raster.md", "# raster\n\nwhat it is.\n\n- holds: a\n- **does not hold**: b > c\n");
-    temp.write("other.csv", "joint,head\n1,2\n");
+    temp.write("unrelated.csv", "joint,head\n1,2\n");
     ASSERT_TRUE(write_pages(temp.path()));
     const std::string page = read_all(temp.path() / "index.html");
     EXPECT_THAT(page, HasSubstr("1 of 2 claims hold"));
     EXPECT_THAT(page, HasSubstr("b &gt; c"));
-    EXPECT_THAT(page, Not(HasSubstr("other")));
+    EXPECT_THAT(page, Not(HasSubstr("unrelated")));
     temp.write("raster.csv", std::string(csv_header()) + "raster,a,k\n");
     EXPECT_FALSE(write_pages(temp.path()));
 }
