@@ -15,7 +15,6 @@
 #include "apps/sources.h"
 #include "apps/stage/bundled.h"
 #include "apps/view_options.h"
-#include "viz/scene/scene_file.h"
 
 namespace kino {
 namespace {
@@ -30,16 +29,8 @@ std::vector<std::string> scenes_from(const std::string& first) {
 }
 
 void add_what_is_shown(CLI::App& app, const std::shared_ptr<ShowOptions>& options) {
-    app.add_option_function<std::string>(
-           "--scene", [options](const std::string& name) { options->scenes = scenes_from(name); },
-           "begin on this stage: a name or a scene file (docs/scenes.md)")
-        ->check([](const std::string& name) {
-            if (bundled_scene(name)) return std::string();
-            const auto read = read_scene_file(name);
-            return read ? std::string()
-                        : read.error().to_string() + "\nor one of:\n" + list_of_scenes();
-        })
-        ->type_name("NAME|FILE");
+    add_scene_option(app, "begin on this stage: a name or a scene file (docs/scenes.md)",
+                     [options](const std::string& name) { options->scenes = scenes_from(name); });
     app.add_option("--avatar", options->avatar,
                    "a character that moves as people do: one of those below, or a glTF file")
         ->check([](const std::string& name) {
@@ -55,8 +46,7 @@ void add_what_is_shown(CLI::App& app, const std::shared_ptr<ShowOptions>& option
     app.add_flag("--mirror,!--no-mirror", options->mirror, "as in a mirror, default yes");
     add_calibration_option(app, options->calibration);
     add_tracking_options(app, options->bodies);
-    app.add_option("--gestures", options->bodies.gestures, "definitions of gestures as JSON")
-        ->type_name("FILE");
+    add_gestures_option(app, options->bodies);
 }
 
 void add_how_it_is_drawn(CLI::App& app, const std::shared_ptr<ShowOptions>& options) {
@@ -65,36 +55,25 @@ void add_how_it_is_drawn(CLI::App& app, const std::shared_ptr<ShowOptions>& opti
                    "--target-ms asks for")
         ->check([](const std::string& word) { return check_number(word, 1, 8); })
         ->type_name("R");
-    app.add_option("--target-ms", options->target_ms,
-                   "time of a picture that is kept in a window, default 33.3")
-        ->check([](const std::string& word) { return check_number(word, 1, 1000); })
-        ->type_name("T");
-    app.add_option_function<std::string>(
-           "--size",
-           [options](const std::string& text) {
-               if (const std::string problem = read_size(text, options->width, options->height);
-                   !problem.empty()) {
-                   throw CLI::ValidationError(problem);
-               }
-           },
-           "of the picture, default 1280x720")
-        ->type_name("WxH");
-    app.add_option("--device", options->device,
-                   "Vulkan device: part of its name, or discrete, integrated, cpu")
-        ->type_name("NAME");
-    app.add_option("--headless", options->headless,
-                   "no window: pictures, video.mp4 and summary.json into OUT, the same bits every "
-                   "time")
-        ->type_name("OUT");
-    app.add_option("--frames", options->frames, "end after N pictures")
-        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
-        ->type_name("N");
-    app.add_option("--pictures", options->pictures,
-                   "headless: at most N pictures as PNG, default 12; -1: all")
-        ->check(CLI::Range(-1, 1 << 30))
-        ->type_name("N");
-    app.add_flag("--json", options->json, "print the summary as JSON");
-    app.add_flag("--verbose", options->verbose, "a line an event");
+    add_target_option(
+        app, [options](double ms) { options->target_ms = ms; },
+        "time of a picture that is kept in a window, default 33.3");
+    add_picture_options(
+        app,
+        [options](int width, int height) {
+            options->width = width;
+            options->height = height;
+        },
+        options->device);
+    add_output_options(
+        app,
+        {options->headless, options->frames, options->pictures, options->json, options->verbose},
+        {.headless =
+             "no window: pictures, video.mp4 and summary.json into OUT, the same bits every "
+             "time",
+         .frames = "end after N pictures",
+         .pictures = "headless: at most N pictures as PNG, default 12; -1: all",
+         .verbose = "a line an event"});
 }
 
 int run_demo(const ShowOptions& options) {

@@ -117,7 +117,7 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     }
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
-    frame_options.samples = static_cast<std::uint32_t>(options_.samples);
+    frame_options.samples = static_cast<std::uint32_t>(options_.samples.value_or(1));
     frame_options.read_picture = true;
     SourceSummary& source = summary_.sources.back();
     source.color = builder_.color_mode(draw);
@@ -226,6 +226,12 @@ Result<void> HeadlessRun::finish() {
 }  // namespace
 
 int replay_headless(const ReplayOptions& options) {
+    // Asked for a window, got none: pictures instead of it would be a recording lost.
+    if (!options.record.empty()) {
+        tell_error({"not recorded: there is no window", options.record.string(),
+                    "`kinoscope record URI --out FILE` records without one"});
+        return kExitFailed;
+    }
     int code = kExitDone;
     const auto device = begin_run(
         options.headless, {.device = options.device, .validation = wants_validation()}, code);
@@ -255,6 +261,8 @@ int replay_headless(const ReplayOptions& options) {
     }
     summary.interrupted = interrupted();
     summary.wall_s = to_seconds(now_ns() - began);
+    // With nothing opened there is nothing to tell.
+    if (summary.sources.empty() && code != kExitDone) return code;
     return end_run(options.headless, to_json(summary), to_text(summary), options.json, code);
 }
 

@@ -1,5 +1,7 @@
 #include "apps/replay_options.h"
 
+#include <fmt/format.h>
+
 #include <cstdlib>
 #include <string_view>
 
@@ -45,16 +47,70 @@ const char* loop_name(LoopMode mode) {
     return "unknown";
 }
 
-FrameBudgetOptions ReplayOptions::budget() const {
-    FrameBudgetOptions options{
-        .target_ms = target_ms, .lod = lod, .zoom = zoom.value_or(1), .fix_share = fix_share};
-    if (lod_auto) {
-        options.mode = GovernorMode::automatic;
-        options.most_zoom = zoom.value_or(options.most_zoom);
-    } else if (options.lod > 1 || options.zoom > 1) {
-        options.mode = GovernorMode::fixed;
+const char* sync_name(PresentMode mode) {
+    switch (mode) {
+        case PresentMode::fifo:
+            return "fifo";
+        case PresentMode::mailbox:
+            return "mailbox";
+        case PresentMode::immediate:
+            return "immediate";
     }
-    return options;
+    return "unknown";
+}
+
+std::string ReplayOptions::contradiction() const {
+    if (lod_auto && (lod || !lod_log.empty())) {
+        return "--zoom auto and --lod: who chooses the zoom chooses the light, too";
+    }
+    if (zoom_by == SceneZoomBy::fixed) return {};
+    const std::string word = fmt::format("--zoom {}", zoom_by_name(zoom_by));
+    if (lod_auto) return word + " and --lod auto: only one of them can choose";
+    if (!lod_log.empty()) return word + " and --lod FILE: the file says how coarse pictures are";
+    return {};
+}
+
+PictureQuality ReplayOptions::quality(const SceneFile* stage) const {
+    const SceneQuality wanted = stage != nullptr ? stage->quality : SceneQuality{};
+    const bool asks_lod = lod.has_value() || lod_auto || !lod_log.empty();
+    const bool chooses_zoom = zoom_by != SceneZoomBy::fixed;
+    const bool many = samples.value_or(1) > 1;
+
+    PictureQuality quality{.samples = samples.value_or(wanted.samples)};
+    FrameBudgetOptions& budget = quality.budget;
+    budget.target_ms = target_ms.value_or(wanted.target_ms);
+    budget.fix_share = fix_share.value_or(wanted.fix);
+    const bool scenes_budget =
+        !asks_lod && !chooses_zoom && !many && wanted.lod_by == SceneLodBy::budget;
+    if (lod_auto || scenes_budget) {
+        budget.mode = GovernorMode::automatic;
+        if (zoom) {
+            budget.most_zoom = *zoom;
+        } else if (scenes_budget && wanted.zoom > 1) {
+            budget.most_zoom = wanted.zoom;
+        }
+        return quality;
+    }
+    budget.lod = asks_lod || many ? lod.value_or(1) : wanted.lod;
+    budget.zoom = zoom.value_or(chooses_zoom ? 1 : wanted.zoom);
+
+    quality.zoom.target_ms = budget.target_ms;
+    quality.zoom.most = most_zoom.value_or(wanted.most_zoom);
+    if (chooses_zoom) {
+        quality.zoom.by = zoom_by;
+    } else if (!zoom && lod_log.empty()) {
+        quality.zoom.by = wanted.zoom_by;
+        const bool window = stage != nullptr && stage->camera.window;
+        if (wanted.zoom_by == SceneZoomBy::fixed && wanted.zoom == 1 && window &&
+            stage->camera.window->most_zoom > 1) {
+            quality.zoom.by = SceneZoomBy::head;
+            quality.zoom.most = most_zoom.value_or(stage->camera.window->most_zoom);
+        }
+    }
+    const bool chosen = quality.zoom.by != SceneZoomBy::fixed;
+    if (chosen) budget.zoom = 1;
+    if (budget.lod > 1 || budget.zoom > 1 || chosen) budget.mode = GovernorMode::fixed;
+    return quality;
 }
 
 bool wants_validation() {

@@ -31,15 +31,47 @@ bool names_log(const std::string& word) {
            std::filesystem::is_regular_file(word, error);
 }
 
-template <class Value>
-void add_choice(CLI::App& app, const char* name, std::optional<Value>& out,
-                std::map<std::string, Value> choices, const char* help) {
+/// `out`: a Value, or an optional one.
+template <class Value, class Out>
+void add_choice(CLI::App& app, const char* name, Out& out, std::map<std::string, Value> choices,
+                const char* help) {
     std::string words;
     for (const auto& [word, value] : choices) words += (words.empty() ? "" : "|") + word;
     app.add_option_function<std::string>(
            name, [&out, choices](const std::string& word) { out = choices.at(word); }, help)
         ->check(CLI::IsMember(choices))
         ->type_name(words);
+}
+
+void add_zoom_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& options) {
+    static const std::map<std::string, SceneZoomBy> kChoosers = {
+        {"reactive", SceneZoomBy::reactive},
+        {"predictive", SceneZoomBy::predictive},
+        {"head", SceneZoomBy::head}};
+    app.add_option_function<std::string>(
+           "--zoom",
+           [options](const std::string& word) {
+               const auto chooser = kChoosers.find(word);
+               options->zoom_by = chooser != kChoosers.end() ? chooser->second : SceneZoomBy::fixed;
+               options->zoom.reset();
+               if (word == "auto") options->lod_auto = true;
+               if (word != "auto" && chooser == kChoosers.end()) options->zoom = std::stoi(word);
+           },
+           "whole pictures Z times coarser, enlarged by copying, 1 to 8; with --lod auto: at most, "
+           "default 2; in a window as --target-ms asks for by the last frame (reactive) or by "
+           "counted work (predictive); as quick as the viewer moves (head); auto: as --lod auto")
+        ->check([](const std::string& word) {
+            if (word == "auto" || kChoosers.count(word) > 0) return std::string();
+            int z = 0;
+            const bool fits = CLI::detail::lexical_cast(word, z) && z >= 1 && z <= kMaxZoom;
+            return fits ? std::string()
+                        : word + " is not 1 to 8, reactive, predictive, head or auto";
+        })
+        ->type_name("Z|reactive|predictive|head|auto");
+    app.add_option("--most-zoom", options->most_zoom,
+                   "at most, where --zoom names who chooses, default 4")
+        ->check(CLI::Range(1, kMaxZoom))
+        ->type_name("Z");
 }
 
 }  // namespace
@@ -80,10 +112,10 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
     app.add_option_function<std::string>(
            "--lod",
            [options](const std::string& word) {
-               options->lod_auto = word == "auto";
+               options->lod_auto = options->lod_auto || word == "auto";
                options->lod_log = names_log(word) ? word : "";
                const bool number = word != "auto" && word != "off" && !names_log(word);
-               options->lod = number ? std::stod(word) : 1;
+               if (word != "auto") options->lod = number ? std::stod(word) : 1;
            },
            "with --scene: light on a picture R times coarser, brought back along edges; auto: as "
            "--target-ms asks for, with --zoom where that does not do (in a window; headless: in "
@@ -95,11 +127,7 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
             return log ? std::string() : log.error().to_string();
         })
         ->type_name("off|auto|R|FILE");
-    app.add_option("--zoom", options->zoom,
-                   "whole pictures Z times coarser, enlarged by copying, 1 to 8; with --lod auto: "
-                   "at most, default 2")
-        ->check(CLI::Range(1, kMaxZoom))
-        ->type_name("Z");
+    add_zoom_options(app, options);
     app.add_option("--fix", options->fix_share,
                    "with --lod: shade anew what no coarse pixel resembles, at most this share of "
                    "the picture, 0 (default) to 0.5")
@@ -111,31 +139,29 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
         ->type_name("N");
     app.add_flag("--true-error", options->true_error,
                  "compare a picture in thirty with the same one in full: PSNR and FLIP");
-    app.add_option("--target-ms", options->target_ms, "time of a picture that --lod auto holds")
-        ->check([](const std::string& word) { return check_number(word, 1, 1000); })
-        ->type_name("T");
-    app.add_option("--headless", options->headless,
-                   "no window: pictures, video.mp4 and summary.json into OUT")
-        ->type_name("OUT");
-    app.add_option("--frames", options->frames, "end after N frames (of each URI)")
-        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
-        ->type_name("N");
-    app.add_option("--pictures", options->pictures,
-                   "headless: at most N pictures of each URI as PNG, default 12; -1: all")
-        ->check(CLI::Range(-1, 1 << 30))
-        ->type_name("N");
+    add_target_option(
+        app, [options](double ms) { options->target_ms = ms; },
+        "time of a picture that --lod auto or --zoom hold, default 33.3");
+    add_choice<PresentMode>(
+        app, "--sync", options->sync,
+        {{"fifo", PresentMode::fifo},
+         {"mailbox", PresentMode::mailbox},
+         {"immediate", PresentMode::immediate}},
+        "when a window shows a picture that is done: at the next retrace (default), the newest at "
+        "the next retrace, or at once; fifo where the display has no other");
+    add_output_options(
+        app,
+        {options->headless, options->frames, options->pictures, options->json, options->verbose},
+        {.headless = "no window: pictures, video.mp4 and summary.json into OUT",
+         .frames = "end after N frames (of each URI)",
+         .pictures = "headless: at most N pictures of each URI as PNG, default 12; -1: all",
+         .verbose = "a line a frame"});
     add_body_options(app, options->bodies);
     add_calibration_option(app, options->calibration);
-    app.add_option("--scene", options->scene,
-                   "put people on this stage: a name (--list-scenes) or a scene file "
-                   "(docs/scenes.md); looks for bodies where none are recorded")
-        ->check([](const std::string& name) {
-            if (bundled_scene(name)) return std::string();
-            const auto read = read_scene_file(name);
-            return read ? std::string()
-                        : read.error().to_string() + "\nor one of:\n" + list_of_scenes();
-        })
-        ->type_name("NAME|FILE");
+    add_scene_option(app,
+                     "put people on this stage: a name (--list-scenes) or a scene file "
+                     "(docs/scenes.md); looks for bodies where none are recorded",
+                     [options](const std::string& name) { options->scene = name; });
     app.add_flag_callback(
         "--list-scenes",
         [] {
@@ -143,25 +169,72 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
             throw CLI::Success();
         },
         "what --scene knows");
-    app.parse_complete_callback(
-        [&app, options] { options->bodies_asked = app.count("--bodies") > 0; });
+    add_picture_options(
+        app,
+        [options](int width, int height) {
+            options->width = width;
+            options->height = height;
+        },
+        options->device);
+    app.parse_complete_callback([&app, options] {
+        options->bodies_asked = app.count("--bodies") > 0;
+        if (const std::string problem = options->contradiction(); !problem.empty()) {
+            throw CLI::ValidationError(problem);
+        }
+    });
+}
+
+void add_gestures_option(CLI::App& app, BodyOptions& bodies) {
+    app.add_option("--gestures", bodies.gestures, "definitions of gestures as JSON")
+        ->type_name("FILE");
+}
+
+void add_scene_option(CLI::App& app, std::string about,
+                      std::function<void(const std::string&)> take) {
+    app.add_option_function<std::string>("--scene", std::move(take), std::move(about))
+        ->check([](const std::string& name) {
+            if (bundled_scene(name)) return std::string();
+            const auto read = read_scene_file(name);
+            return read ? std::string()
+                        : read.error().to_string() + "\nor one of:\n" + list_of_scenes();
+        })
+        ->type_name("NAME|FILE");
+}
+
+void add_target_option(CLI::App& app, std::function<void(double)> take, std::string about) {
+    app.add_option_function<double>("--target-ms", std::move(take), std::move(about))
+        ->check([](const std::string& word) { return check_number(word, 1, 1000); })
+        ->type_name("T");
+}
+
+void add_picture_options(CLI::App& app, std::function<void(int width, int height)> take_size,
+                         std::string& device) {
     app.add_option_function<std::string>(
            "--size",
-           [options](const std::string& text) {
+           [take = std::move(take_size)](const std::string& text) {
                int width = 0, height = 0;
                if (const std::string problem = read_size(text, width, height); !problem.empty()) {
                    throw CLI::ValidationError(problem);
                }
-               options->width = width;
-               options->height = height;
+               take(width, height);
            },
            "of the picture, default 1280x720")
         ->type_name("WxH");
-    app.add_option("--device", options->device,
+    app.add_option("--device", device,
                    "Vulkan device: part of its name, or discrete, integrated, cpu")
         ->type_name("NAME");
-    app.add_flag("--json", options->json, "print the summary as JSON");
-    app.add_flag("--verbose", options->verbose, "a line a frame");
+}
+
+void add_output_options(CLI::App& app, const OutputOptions& options, const OutputWords& words) {
+    app.add_option("--headless", options.headless, words.headless)->type_name("OUT");
+    app.add_option("--frames", options.frames, words.frames)
+        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))
+        ->type_name("N");
+    app.add_option("--pictures", options.pictures, words.pictures)
+        ->check(CLI::Range(-1, 1 << 30))
+        ->type_name("N");
+    app.add_flag("--json", options.json, "print the summary as JSON");
+    app.add_flag("--verbose", options.verbose, words.verbose);
 }
 
 void add_codec_option(CLI::App& app, SessionCodec& codec) {
@@ -186,8 +259,7 @@ void add_body_options(CLI::App& app, BodyOptions& bodies) {
            "(recorded), or only what was recorded (off, the default)")
         ->check(CLI::IsMember(kModes))
         ->type_name("off|on|recorded");
-    app.add_option("--gestures", bodies.gestures, "definitions of gestures as JSON")
-        ->type_name("FILE");
+    add_gestures_option(app, bodies);
     add_tracking_options(app, bodies);
 }
 

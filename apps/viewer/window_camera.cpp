@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
-#include <utility>
 
 namespace kino {
 namespace {
@@ -40,7 +39,7 @@ DeflectForm form_of(SceneDeflect deflect) {
 }  // namespace
 
 WindowCamera::WindowCamera(const SceneWindow& window)
-    : window_(window), eye_(eye_options(window)), zoom_({.most = window.most_zoom}) {}
+    : window_(window), eye_(eye_options(window)) {}
 
 void WindowCamera::see(TimeNs time, const BodyFrame* bodies) {
     if (bodies != nullptr) eye_.see(time, bodies->bodies);
@@ -52,11 +51,6 @@ View WindowCamera::view(const Pose& world_from_stage, TimeNs time, int width, in
     return window_view(
         {.size_m = window_.size_m, .world_from_window = world_from_stage * stage_from_window},
         eye_.at(time), width, height);
-}
-
-int WindowCamera::zoom(TimeNs now) {
-    const TimeNs last = std::exchange(last_picture_, now);
-    return zoom_.step(last == 0 ? 0 : to_seconds(now - last), eye_.velocity_m_s(now));
 }
 
 std::optional<DeflectOptions> WindowCamera::deflection(const Pose& world_from_stage, TimeNs now,

@@ -5,7 +5,6 @@
 #include "base/body.h"
 #include "skeleton/head/window_eye.h"
 #include "viz/frame/renderer.h"
-#include "viz/quality/zoom/zoom_choice.h"
 #include "viz/scene/scene_file.h"
 #include "viz/scene/view.h"
 
@@ -25,9 +24,8 @@ class WindowCamera {
     [[nodiscard]] std::optional<DeflectOptions> deflection(const Pose& world_from_stage, TimeNs now,
                                                            int width, int height,
                                                            TimeNs (*clock)()) const;
-    /// How coarse the picture that begins at `now` may be: by how fast the head moves, within what
-    /// the scene allows. Call once a picture.
-    [[nodiscard]] int zoom(TimeNs now);
+    /// Velocity of the eye; 0 while nobody is followed.
+    [[nodiscard]] glm::dvec3 head_m_s(TimeNs now) const { return eye_.velocity_m_s(now); }
     /// Another source: whoever was followed is gone.
     void reset() { eye_.reset(); }
     [[nodiscard]] const WindowEye& eye() const { return eye_; }
@@ -35,8 +33,6 @@ class WindowCamera {
   private:
     SceneWindow window_;
     WindowEye eye_;
-    HeadSpeedZoom zoom_;
-    TimeNs last_picture_ = 0;
 };
 
 }  // namespace kino

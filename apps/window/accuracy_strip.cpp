@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -27,6 +28,23 @@ void line(const char* name, const std::string& value) {
     ImGui::PopTextWrapPos();
 }
 
+/// Who holds the rate.
+constexpr std::array kOwners = {"nobody", "budget", "zoom: reactive", "zoom: predictive",
+                                "zoom: head"};
+
+int owner_of(const FrameBudget& budget, const ZoomChooser& chooser) {
+    if (budget.mode() == GovernorMode::automatic) return 1;
+    return chooser.on() ? 1 + static_cast<int>(chooser.options().by) : 0;
+}
+
+void set_owner(int owner, FrameBudget& budget, ZoomChooser& chooser) {
+    ZoomChooserOptions zoom = chooser.options();
+    zoom.by = owner < 2 ? SceneZoomBy::fixed : static_cast<SceneZoomBy>(owner - 1);
+    chooser.set(zoom);
+    budget.set_zoom(1);
+    budget.set_mode(owner == 1 ? GovernorMode::automatic : GovernorMode::fixed);
+}
+
 std::string decibels(double db) {
     return std::isfinite(db) ? fmt::format("{:.1f} dB", db) : "equal";
 }
@@ -37,7 +55,7 @@ bool AccuracyStrip::true_error_due(std::int64_t picture) const {
     return wants_true_error_ && picture % kTrueErrorEvery == kTrueErrorEvery - 1;
 }
 
-void AccuracyStrip::draw(FrameBudget& budget) {
+void AccuracyStrip::draw(FrameBudget& budget, ZoomChooser& chooser) {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     // Beside the sensor's images where there is no room below them.
     const float right = display.y < kRoomBelowPanes ? kPanesWidth : 0;
@@ -65,14 +83,16 @@ void AccuracyStrip::draw(FrameBudget& budget) {
         line("picture",
              fmt::format("{:.1f} ms of {:.0f}", choice.predicted_ms, budget.target_ms()));
     }
+    if (chooser.on()) line("zoom", chooser.words());
     line("error", fmt::format("{:.4f} FLIP, estimated", choice.estimated_error));
     if (wants_true_error_ && true_error_) {
         line("", fmt::format("{:.4f} FLIP, {}, {:.2f} % failed", true_error_->flip,
                              decibels(true_error_->psnr_db), 100 * true_error_->failed_pixels));
     }
-    bool governed = budget.mode() == GovernorMode::automatic;
-    if (ImGui::Checkbox("hold the rate", &governed)) {
-        budget.set_mode(governed ? GovernorMode::automatic : GovernorMode::off);
+    int owner = owner_of(budget, chooser);
+    ImGui::SetNextItemWidth(kStripWidth / 2);
+    if (ImGui::Combo("rate", &owner, kOwners.data(), static_cast<int>(kOwners.size()))) {
+        set_owner(owner, budget, chooser);
     }
     ImGui::SameLine();
     ImGui::Checkbox("true error", &wants_true_error_);
@@ -84,6 +104,7 @@ void AccuracyStrip::draw(FrameBudget& budget) {
                            ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp |
                                ImGuiSliderFlags_NoInput)) {
         budget.set_target(target_ms);
+        chooser.set_target(target_ms);
     }
     ImGui::End();
 }

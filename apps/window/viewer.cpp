@@ -45,7 +45,8 @@ Viewer::Viewer(const ReplayOptions& options, const Settings& settings, Window& w
       renderer_(device),
       panes_(ui),
       settings_(settings),
-      budget_(options.budget()) {
+      budget_({}),
+      chooser_({}) {
     accuracy_.want_true_error(options.true_error);
     draw_options_ = {
         .style = settings.style, .splat_px = settings.splat_px, .color = options.color};
@@ -292,7 +293,7 @@ void Viewer::click() {
 void Viewer::take_screenshot() {
     FrameOptions options;
     options.raster = options_.raster;
-    options.samples = static_cast<std::uint32_t>(options_.samples);
+    options.samples = static_cast<std::uint32_t>(samples_);
     options.read_picture = true;
     auto drawn = renderer_.render_to_image(builder_.scene(draw_options_), view_, options);
     if (!drawn) return say(drawn.error().to_string());
@@ -347,21 +348,33 @@ void Viewer::hear_source() {
     }
 }
 
-Result<void> Viewer::run(const std::string& note) {
-    started_ = now_ns();
-    if (!note.empty()) say(note);
-    if (!options_.lod_log.empty()) {
-        KINO_ASSIGN(auto log, read_budget_log(options_.lod_log));
-        budget_.replay(std::move(log));
-    }
+/// The stage, and how accurately it is drawn.
+Result<void> Viewer::set_stage() {
+    std::optional<SceneFile> scene;
     if (!options_.scene.empty()) {
         KINO_ASSIGN(StageSet stage, open_stage(options_.scene));
         const SceneLive& live = stage.file.live;
         if (!options_.style) draw_options_.style = live.style;
         if (!options_.splat_px) draw_options_.splat_px = live.splat_px;
         if (stage.file.camera.window) window_camera_.emplace(*stage.file.camera.window);
+        scene = stage.file;
         builder_.put_on_stage(std::make_unique<Director>(std::move(stage)));
     }
+    const PictureQuality quality = options_.quality(scene ? &*scene : nullptr);
+    budget_ = FrameBudget(quality.budget);
+    chooser_.set(quality.zoom);
+    samples_ = quality.samples;
+    if (!options_.lod_log.empty()) {
+        KINO_ASSIGN(auto log, read_budget_log(options_.lod_log));
+        budget_.replay(std::move(log));
+    }
+    return {};
+}
+
+Result<void> Viewer::run(const std::string& note) {
+    started_ = now_ns();
+    if (!note.empty()) say(note);
+    KINO_TRY(set_stage());
     KINO_TRY(open(0));
     if (!options_.record.empty()) start_recording(options_.record);
     TimeNs next_picture = started_;

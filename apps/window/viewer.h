@@ -14,6 +14,7 @@
 #include "apps/viewer/scene_builder.h"
 #include "apps/viewer/settings.h"
 #include "apps/viewer/window_camera.h"
+#include "apps/viewer/zoom_chooser.h"
 #include "apps/window/accuracy_strip.h"
 #include "apps/window/panels.h"
 #include "apps/window/playing.h"
@@ -45,8 +46,13 @@ class Viewer {
     [[nodiscard]] const LatencyLog& latencies() const { return latencies_; }
     /// How accurately pictures were drawn.
     [[nodiscard]] const FrameBudget& budget() const { return budget_; }
+    [[nodiscard]] const ZoomChooser& chooser() const { return chooser_; }
+    /// From hand-over to hand-over, and what of that begin_picture() and present() waited.
+    [[nodiscard]] const TimeSeries& intervals() const { return intervals_; }
+    [[nodiscard]] const TimeSeries& waits() const { return waits_; }
 
   private:
+    Result<void> set_stage();
     Result<void> open(std::size_t index);
     void open_next_when_over();
     void show_frame(const ProcessedFrame& frame);
@@ -103,12 +109,14 @@ class Viewer {
     View view_;
     FrameResult last_;
     FrameBudget budget_;
+    ZoomChooser chooser_;
+    int samples_ = 1;
     AccuracyStrip accuracy_;
     bool scene_cut_ = true;  ///< the next picture's time says nothing
     glm::ivec2 last_size_{0};
     TimeNs started_ = 0;
     std::int64_t pictures_ = 0;
-    TimeSeries picture_times_;
+    TimeSeries picture_times_, intervals_, waits_;
     TimeNs first_picture_after_ = 0;
     double pictures_per_s_ = 0;
     double frames_per_s_ = 0;

@@ -18,7 +18,7 @@ void Viewer::draw_panels(const WindowInput& input) {
     if (settings_.show_overlay && !help_) draw_overlay(overlay_text());
     if (settings_.show_overlay && !help_ &&
         (builder_.director() != nullptr || budget_.mode() != GovernorMode::off))
-        accuracy_.draw(budget_);
+        accuracy_.draw(budget_, chooser_);
     // In a small window the picture matters more.
     if (settings_.show_panes && !help_ && view_.width >= 760) draw_panes(panes_);
     LiveRunner& runner = playing_->runner();
@@ -41,7 +41,7 @@ void Viewer::draw_panels(const WindowInput& input) {
 FrameOptions Viewer::picture_options(const WindowInput& input, ImDrawData& lists) {
     FrameOptions options;
     options.raster = options_.raster;
-    options.samples = static_cast<std::uint32_t>(options_.samples);
+    options.samples = static_cast<std::uint32_t>(samples_);
     options.timing = settings_.show_overlay ? graph::Timing::one_group : graph::Timing::frame;
     probed_.reset();
     const glm::ivec2 cursor(input.cursor_px);
@@ -64,10 +64,15 @@ bool Viewer::looks_through_window() const {
            builder_.director() != nullptr && builder_.director()->world_from_stage();
 }
 
-/// Draws the scene as the budget says, and tells the budget what that took.
+/// Draws the scene as the budget or the chooser says, and tells them what that took.
 Result<void> Viewer::render(const PictureTarget& target, FrameOptions& options) {
     const Scene& scene = builder_.scene(draw_options_);
     const TimeNs began = now_ns();
+    if (chooser_.on()) {
+        const auto head_m_s =
+            looks_through_window() ? std::optional(window_camera_->head_m_s(began)) : std::nullopt;
+        budget_.set_zoom(chooser_.begin_frame(scene, view_, began, head_m_s, options));
+    }
     budget_.begin_frame(scene, view_, options);
     KINO_ASSIGN(last_, renderer_.render(scene, view_, target, options));
     if (ui_error_) return fail(*std::exchange(ui_error_, std::nullopt));
@@ -75,7 +80,10 @@ Result<void> Viewer::render(const PictureTarget& target, FrameOptions& options) 
     const bool resized = std::exchange(last_size_, size) != size;
     const bool cut = std::exchange(scene_cut_, false);
     // Before three pictures are through, pipelines are still being made.
-    budget_.frame_took(last_, to_ms(now_ns() - began), pictures_ < 3 || resized || cut);
+    const double took_ms = to_ms(now_ns() - began);
+    const bool says_nothing = pictures_ < 3 || resized || cut;
+    budget_.frame_took(last_, took_ms, says_nothing);
+    chooser_.frame_took(last_, took_ms, says_nothing);
     if (accuracy_.true_error_due(pictures_)) {
         KINO_ASSIGN(const TrueError error, measure_true_error(renderer_, scene, view_, options));
         accuracy_.found(error);
@@ -88,6 +96,7 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     const TimeNs began = now_ns();
     KINO_ASSIGN(const std::optional<PictureTarget> target, window_.begin_picture());
     if (!target) return {};
+    const TimeNs waited = now_ns() - began;
     const Pose world_from_depth = frame_ ? frame_->set.world_from_depth : world_from_camera_axes();
     camera_.orbit.set_time(to_seconds(now - started_));
     view_ = camera_.view(playing_->rig().depth, world_from_depth,
@@ -109,8 +118,6 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
 
     FrameOptions options = picture_options(input, lists);
     if (looks_through_window()) {
-        // A budget that chooses has the last word (render()).
-        options.zoom.z = window_camera_->zoom(now_ns());
         options.deflect = window_camera_->deflection(*builder_.director()->world_from_stage(),
                                                      now_ns(), view_.width, view_.height, now_ns);
     }
@@ -121,7 +128,9 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     const double passed_s = shown_s - std::exchange(stage_time_s_, shown_s);
     builder_.advance(status.paused ? 0 : passed_s);
     KINO_TRY(render(*target, options));
+    const TimeNs drawn = now_ns();
     KINO_TRY(window_.present());
+    waits_.add(waited + now_ns() - drawn);
     ++pictures_;
     if (frame_) {
         const TimeNs presented = now_ns();
@@ -133,8 +142,12 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
         if (first_picture_after_ == 0) first_picture_after_ = now_ns() - started_;
     }
     playing_->picture_shown();
-    if (last_picture_ != 0) smooth_rate(pictures_per_s_, now_ns() - last_picture_);
-    last_picture_ = now_ns();
+    const TimeNs shown_at = now_ns();
+    if (last_picture_ != 0) {
+        smooth_rate(pictures_per_s_, shown_at - last_picture_);
+        intervals_.add(shown_at - last_picture_);
+    }
+    last_picture_ = shown_at;
     return {};
 }
 

@@ -61,6 +61,9 @@ OverlayText Viewer::overlay_text() {
         fmt::format("{}, {} view, {} colour", style_name(draw_options_.style),
                     view_name(camera_.kind), color_name(builder_.color_mode(draw_options_)));
     for (const std::string& level : budget_.choice().levels) text.mode += ", " + level;
+    if (chooser_.on()) {
+        text.mode += fmt::format(", zoom {}", zoom_by_name(chooser_.options().by));
+    }
     return text;
 }
 

@@ -127,7 +127,7 @@ class SceneChecker {
     /// A frame's time has one owner, and four samples have no coarse light.
     Result<void> quality(const SceneQuality& quality) {
         const bool budget = quality.lod_by == SceneLodBy::budget;
-        if (budget && quality.zoom_by != SceneZoomBy::scene) {
+        if (budget && quality.zoom_by != SceneZoomBy::fixed) {
             return wrong("/quality/zoom", "must be a number where lod is auto: that chooses both");
         }
         const bool coarse = budget || quality.lod > 1;

@@ -213,9 +213,9 @@ struct SceneEffects {
 };
 
 /// Who chooses how coarse light, and how coarse whole pictures are.
-enum class SceneLodBy : std::uint8_t { scene, budget };
+enum class SceneLodBy : std::uint8_t { fixed, budget };
 enum class SceneZoomBy : std::uint8_t {
-    scene,
+    fixed,
     reactive,    ///< the last frame's time
     predictive,  ///< counted work before the frame
     head         ///< how fast the viewer, or else the camera, moves
@@ -223,11 +223,11 @@ enum class SceneZoomBy : std::uint8_t {
 
 /// How accurately the scene asks to be drawn; a command line goes before it.
 struct SceneQuality {
-    SceneLodBy lod_by = SceneLodBy::scene;
-    double lod = 1;  ///< by the scene: light on a picture so many times coarser
-    SceneZoomBy zoom_by = SceneZoomBy::scene;
-    int zoom = 1;                    ///< by the scene: whole pictures so many times coarser
-    int most_zoom = 4;               ///< by others: at most
+    SceneLodBy lod_by = SceneLodBy::fixed;
+    double lod = 1;  ///< fixed: light on a picture so many times coarser
+    SceneZoomBy zoom_by = SceneZoomBy::fixed;
+    int zoom = 1;                    ///< fixed: whole pictures so many times coarser
+    int most_zoom = 4;               ///< chosen: at most
     double target_ms = 1000.0 / 30;  ///< that budget, reactive and predictive hold
     int samples = 1;                 ///< a pixel; 1 or 4
     double fix = 0;  ///< with coarse light: at most this share of the pixels is shaded anew

@@ -131,6 +131,12 @@ void PredictiveZoom::learn(const ZoomWork& work, int z, double ms) {
     if (work.pixels.size() == materials_) model_.learn(features(work, z), ms);
 }
 
+void PredictiveZoom::copy_took(double ms) {
+    std::vector<double> own(kCopyFeature + 1 + materials_, 0.0);
+    own[kCopyFeature] = 1;
+    model_.learn(own, ms);
+}
+
 void PredictiveZoom::part_took(const ZoomWork& part, int z, double ms) {
     std::vector<double> own = features(part, z);
     own[kFrameFeature] = own[kCopyFeature] = 0;

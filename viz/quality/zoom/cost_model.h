@@ -63,6 +63,8 @@ class PredictiveZoom {
     void learn(const ZoomWork& work, int z, double ms);
     /// Passes at `z` that were measured on their own did this part of a frame's work.
     void part_took(const ZoomWork& part, int z, double ms);
+    /// Enlarging took this, measured on its own.
+    void copy_took(double ms);
     [[nodiscard]] double predict_ms(const ZoomWork& work, int z) const;
     [[nodiscard]] const WorkCostModel& model() const { return model_; }
 

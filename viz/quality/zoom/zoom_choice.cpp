@@ -12,7 +12,7 @@ namespace kino {
 namespace {
 
 /// A zoom in use is kept until it saves less than this part of what it must save to be taken.
-constexpr double kStillSaves = 0.5;
+constexpr double kStillSaves = 0.75;
 
 }  // namespace
 
