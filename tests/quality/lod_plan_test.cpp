@@ -31,7 +31,7 @@ double total(const std::vector<LodComponent>& table) {
 
 /// Every combination of levels.
 LodPlan exhaustive(const std::vector<LodComponent>& table, std::span<const double> levels,
-                   double budget, double reconstruction) {
+                   double budget, double reconstruction, LodChain chain = LodChain::at_once) {
     std::size_t combinations = 1;
     for (std::size_t i = 0; i < table.size(); ++i) combinations *= levels.size();
     LodPlan best;
@@ -41,7 +41,7 @@ LodPlan exhaustive(const std::vector<LodComponent>& table, std::span<const doubl
         for (std::size_t i = 0; i < table.size(); ++i, rest /= levels.size()) {
             r.push_back(levels[rest % levels.size()]);
         }
-        const LodPlan plan = price_lod_plan(table, r, budget, reconstruction);
+        const LodPlan plan = price_lod_plan(table, r, budget, reconstruction, chain);
         if (plan.within_budget && (!best.within_budget || plan.error < best.error)) best = plan;
     }
     return best;
@@ -85,7 +85,8 @@ TEST(LodPlan, NestedFactorsAreNearTheBestOfTheirKind) {
         for (double first = 1.25; first <= 4; first += 0.25) {
             std::vector<double> levels = {1, first, 2 * first};
             if (4 * first <= 8) levels.push_back(4 * first);
-            const LodPlan other = exhaustive(table, levels, budget, reconstruction);
+            const LodPlan other =
+                exhaustive(table, levels, budget, reconstruction, LodChain::nested);
             if (!other.within_budget) continue;
             if (!best.within_budget || other.error < best.error) best = other;
         }
@@ -132,6 +133,20 @@ TEST(LodPlan, MoreBudgetNeverLosesMore) {
         before = plan.error;
     }
     EXPECT_LT(before, 1e9);
+}
+
+// A chain of 2, 4 and 8 is brought up three times: to full size, to a quarter and to a sixteenth of
+// its pixels.
+TEST(LodPlan, ChainsCostOneReconstructionALevel) {
+    const std::vector<LodComponent> table = {{.name = "a"}, {.name = "b"}, {.name = "c"}};
+    const auto cost = [&](std::vector<double> r, LodChain chain) {
+        return price_lod_plan(table, std::move(r), 100, 16, chain).cost_ns;
+    };
+    EXPECT_DOUBLE_EQ(cost({8, 2, 4}, LodChain::nested), 16 + 4 + 1);
+    EXPECT_DOUBLE_EQ(cost({1, 4, 4}, LodChain::nested), 16);
+    EXPECT_DOUBLE_EQ(cost({1, 2, 8}, LodChain::nested), 16 + 4);
+    EXPECT_DOUBLE_EQ(cost({1, 1, 1}, LodChain::nested), 0);
+    EXPECT_DOUBLE_EQ(cost({8, 2, 4}, LodChain::at_once), 16);
 }
 
 TEST(LodTimeFit, FindsItsOwnModel) {

@@ -31,24 +31,29 @@ std::vector<LightLevel> light_levels(const PartRates& rates, std::uint32_t prese
     std::array<Asked, 3> asked = {{{rates.shadowed, kShadowedLights},
                                    {rates.plain, kPlainLights},
                                    {rates.bounced, kBouncedLights}}};
-    double first = HUGE_VAL;
+    double first = HUGE_VAL;  // of those that are resized
+    std::uint32_t whole = 0;
     for (Asked& a : asked) {
         KINO_CHECK(a.r == 0 || a.r >= 1);
         if (a.r == 0) a.r = lod_r;
-        if ((present & a.part) != 0) first = std::min(first, a.r);
-    }
-    if (std::isinf(first)) return {{.r = lod_r, .parts = kAllLights}};
-    std::map<int, std::uint32_t> parts_of_step;
-    for (const Asked& a : asked) {
         if ((present & a.part) == 0) continue;
-        parts_of_step[static_cast<int>(std::lround(std::log2(a.r / first)))] |= a.part;
+        if (a.r == 1) {
+            whole |= a.part;
+        } else {
+            first = std::min(first, a.r);
+        }
+    }
+    if (present == 0) return {{.r = lod_r, .parts = kAllLights}};
+    std::map<double, std::uint32_t> parts_of_r;
+    if (whole != 0) parts_of_r[1] = whole;
+    for (const Asked& a : asked) {
+        if ((present & a.part & ~whole) == 0) continue;
+        parts_of_r[first * std::exp2(std::round(std::log2(a.r / first)))] |= a.part;
     }
     // What the scene has none of goes along anywhere.
-    parts_of_step.begin()->second |= kAllLights & ~present;
+    parts_of_r.begin()->second |= kAllLights & ~present;
     std::vector<LightLevel> levels;
-    for (const auto& [step, parts] : parts_of_step) {
-        levels.push_back({.r = first * std::exp2(step), .parts = parts});
-    }
+    for (const auto& [r, parts] : parts_of_r) levels.push_back({.r = r, .parts = parts});
     return levels;
 }
 

@@ -34,10 +34,11 @@ struct LightLevel {
     friend bool operator==(const LightLevel&, const LightLevel&) = default;
 };
 
-/// Where the parts in `present` are shaded: levels from fine to coarse, their factors r0 2^m, so
-/// that each level's surface can be picked from that of the level before. r0 is the least factor
-/// that a present part asks for, and the others go to the nearest level by logarithm. `lod_r`: the
-/// framebuffer LOD's factor, 1 without. One level where nothing asks for more.
+/// Where the parts in `present` are shaded: levels from fine to coarse, whose factors are r0 2^m
+/// beside 1, so that each level's surface can be picked from that of the level before. r0 is the
+/// least factor above 1 that a present part asks for, and the others go to the nearest level by
+/// logarithm. `lod_r`: the framebuffer LOD's factor, 1 without. One level where nothing asks for
+/// more.
 [[nodiscard]] std::vector<LightLevel> light_levels(const PartRates& rates, std::uint32_t present,
                                                    double lod_r);
 

@@ -33,9 +33,9 @@ bool better(const LodPlan& a, const LodPlan& b) {
 
 /// Tries every change of one component, and of two at once, until none helps.
 LodPlan bettered(std::span<const LodComponent> components, LodPlan plan, double budget_ns,
-                 double reconstruction_ns, std::span<const double> levels) {
+                 double reconstruction_ns, std::span<const double> levels, LodChain chain) {
     const auto price = [&](const std::vector<double>& r) {
-        return price_lod_plan(components, r, budget_ns, reconstruction_ns);
+        return price_lod_plan(components, r, budget_ns, reconstruction_ns, chain);
     };
     for (bool moved = true; moved;) {
         moved = false;
@@ -59,6 +59,19 @@ LodPlan bettered(std::span<const LodComponent> components, LodPlan plan, double 
     return plan;
 }
 
+/// Reconstructions of a chain of these factors, in full-size ones.
+double chain_length(std::vector<double> r) {
+    std::sort(r.begin(), r.end());
+    double sum = 0;
+    double finer = 1;
+    for (const double factor : r) {
+        if (factor <= finer) continue;
+        sum += 1 / (finer * finer);
+        finer = factor;
+    }
+    return sum;
+}
+
 }  // namespace
 
 std::span<const double> lod_plan_levels() {
@@ -70,7 +83,7 @@ bool LodPlan::resizes() const {
 }
 
 LodPlan price_lod_plan(std::span<const LodComponent> components, std::vector<double> r,
-                       double budget_ns, double reconstruction_ns) {
+                       double budget_ns, double reconstruction_ns, LodChain chain) {
     KINO_CHECK_EQ(components.size(), r.size());
     LodPlan plan;
     plan.r = std::move(r);
@@ -80,16 +93,19 @@ LodPlan price_lod_plan(std::span<const LodComponent> components, std::vector<dou
         plan.cost_ns += c.cost_ns / (factor * factor);
         if (factor > 1) plan.error += c.error * std::pow(factor, c.exponent);
     }
-    if (plan.resizes()) plan.cost_ns += reconstruction_ns;
+    if (plan.resizes()) {
+        plan.cost_ns +=
+            reconstruction_ns * (chain == LodChain::nested ? chain_length(plan.r) : 1.0);
+    }
     plan.within_budget = plan.cost_ns <= budget_ns;
     return plan;
 }
 
 LodPlan plan_lod(std::span<const LodComponent> components, double budget_ns,
-                 double reconstruction_ns, std::span<const double> levels) {
+                 double reconstruction_ns, std::span<const double> levels, LodChain chain) {
     KINO_CHECK(!levels.empty() && levels.front() == 1);
     const auto price = [&](std::vector<double> r) {
-        return price_lod_plan(components, std::move(r), budget_ns, reconstruction_ns);
+        return price_lod_plan(components, std::move(r), budget_ns, reconstruction_ns, chain);
     };
     LodPlan best = price(std::vector<double>(components.size(), 1.0));
     if (best.within_budget) return best;  // nothing is gained by resizing
@@ -116,8 +132,8 @@ LodPlan plan_lod(std::span<const LodComponent> components, double budget_ns,
         }
         std::vector<double> snapped = factors(high);
         for (double& r : snapped) r = nearest_level(levels, r);
-        LodPlan plan =
-            bettered(components, price(std::move(snapped)), budget_ns, reconstruction_ns, levels);
+        LodPlan plan = bettered(components, price(std::move(snapped)), budget_ns, reconstruction_ns,
+                                levels, chain);
         if (better(plan, best)) best = std::move(plan);
     }
     return best;
@@ -130,7 +146,7 @@ LodPlan plan_nested_lod(std::span<const LodComponent> components, double budget_
     for (double first = 1.25; first <= 4; first += 0.25) {
         std::vector<double> levels = {1};
         for (double r = first; r <= kMostNested; r *= 2) levels.push_back(r);
-        LodPlan plan = plan_lod(components, budget_ns, reconstruction_ns, levels);
+        LodPlan plan = plan_lod(components, budget_ns, reconstruction_ns, levels, LodChain::nested);
         if (best.r.empty() || better(plan, best)) best = std::move(plan);
     }
     return best;

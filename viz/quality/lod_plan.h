@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,10 +28,16 @@ struct LodPlan {
     [[nodiscard]] bool resizes() const;
 };
 
+/// What resizing costs beside the components.
+enum class LodChain : std::uint8_t {
+    at_once,  ///< everything is brought to full size together: one reconstruction
+    nested    ///< each factor is brought to the next finer one, whose picture is 1/r^2 as large
+};
+
 /// Cost and error of given factors.
 [[nodiscard]] LodPlan price_lod_plan(std::span<const LodComponent> components,
                                      std::vector<double> r, double budget_ns,
-                                     double reconstruction_ns);
+                                     double reconstruction_ns, LodChain chain = LodChain::at_once);
 
 /// Which components to resize, and how far, so that all together cost at most `budget_ns` a pixel
 /// with the least error. Lagrange's condition gives each an unbounded
@@ -41,10 +48,11 @@ struct LodPlan {
 /// `levels` ascend from 1.
 [[nodiscard]] LodPlan plan_lod(std::span<const LodComponent> components, double budget_ns,
                                double reconstruction_ns,
-                               std::span<const double> levels = lod_plan_levels());
+                               std::span<const double> levels = lod_plan_levels(),
+                               LodChain chain = LodChain::at_once);
 
 /// The same with factors r0 2^m, r0 of 1.25, 1.5 ... 4, beside 1: coarser guides can then be picked
-/// from finer ones.
+/// from finer ones. Priced as a nested chain.
 [[nodiscard]] LodPlan plan_nested_lod(std::span<const LodComponent> components, double budget_ns,
                                       double reconstruction_ns);
 

@@ -31,12 +31,21 @@ TEST(LightLevels, NothingAskedForIsOneLevel) {
                 ElementsAre(LightLevel{3, kAllLights}));
 }
 
-TEST(LightLevels, EveryPartIsInOneLevelAtTwosFromTheFirst) {
+// What is not resized at all does not say by what the others are.
+TEST(LightLevels, FullSizeStandsBesideTheChain) {
+    EXPECT_THAT(light_levels({.shadowed = 1, .plain = 1.75, .bounced = 3.5}, kAllLights, 1),
+                ElementsAre(LightLevel{1, kShadowedLights}, LightLevel{1.75, kPlainLights},
+                            LightLevel{3.5, kBouncedLights}));
+}
+
+TEST(LightLevels, EveryPartIsInOneLevelAtTwosFromTheFirstResized) {
     Random random(5);
     for (int round = 0; round < 200; ++round) {
-        const auto rate = [&] { return random.integer(0, 4) == 0 ? 0 : random.real(1, 9); };
+        const auto rate = [&] {
+            return random.integer(0, 4) < 2 ? random.integer(0, 1) : random.real(1, 9);
+        };
         const PartRates rates{rate(), rate(), rate()};
-        const double lod_r = random.real(1, 5);
+        const double lod_r = random.integer(0, 2) == 0 ? 1 : random.real(1, 5);
         const auto present = static_cast<std::uint32_t>(random.integer(1, 7));
         const auto levels = light_levels(rates, present, lod_r);
         std::uint32_t seen = 0;
@@ -46,13 +55,15 @@ TEST(LightLevels, EveryPartIsInOneLevelAtTwosFromTheFirst) {
             seen |= level.parts;
             EXPECT_GT(level.r, before);
             before = level.r;
-            const double octaves = std::log2(level.r / levels.front().r);
+            const double first = levels.front().r == 1 ? levels.back().r : levels.front().r;
+            const double octaves = level.r == 1 ? 0 : std::log2(level.r / first);
             EXPECT_NEAR(octaves, std::round(octaves), 1e-12);
             const double asked[] = {rates.shadowed, rates.plain, rates.bounced};
             for (int k = 0; k < 3; ++k) {
                 if ((level.parts & present & (1u << k)) == 0) continue;
                 const double wanted = asked[k] == 0 ? lod_r : asked[k];
                 EXPECT_LE(std::abs(std::log2(level.r / wanted)), 0.5 + 1e-9);
+                EXPECT_EQ(level.r == 1, wanted == 1);
             }
         }
         EXPECT_EQ(seen, kAllLights);
@@ -163,7 +174,7 @@ TEST_F(VizTest, ConstantLightIsKeptByEveryRate) {
 TEST_F(VizTest, BouncedLightMayBeCoarse) {
     StageRig rig(device());
     const Scene scene = parts_scene();
-    const View view = parts_view(320, 240);
+    const View view = parts_view(256, 192);
     const LightError none{};
     LightError before = none;
     const RigDrawn full = rig.draw(scene, view, exact_options());

@@ -240,7 +240,7 @@ TEST_F(VizTest, NoLimitIsTheFinestLevelEverywhere) {
     StageRig rig(device());
     const Scene scene = parts_scene();
     for (const double r : {1.0, 2.0}) {
-        const View view = parts_view(320, 240);
+        const View view = parts_view(192, 144);
         StageOptions options = region_options();
         if (r > 1) options.lod = FramebufferLodOptions{.r = r};
         const RigDrawn whole = rig.draw(scene, view, options);
@@ -256,7 +256,7 @@ TEST_F(VizTest, NoLimitIsTheFinestLevelEverywhere) {
 TEST_F(VizTest, AnInfiniteLimitIsTheCoarsestLevel) {
     StageRig rig(device());
     const Scene scene = parts_scene();
-    const View view = parts_view(512, 384);
+    const View view = parts_view(256, 192);
     StageOptions options = region_options();
     options.regions = RegionLodOptions{.limit = kNever, .doubt_share = kNever};
     const RigDrawn tiles = rig.draw(scene, view, options);
@@ -294,7 +294,7 @@ TEST_F(VizTest, AnInfiniteLimitIsTheCoarsestLevel) {
 TEST_F(VizTest, TheLimitTradesErrorForWork) {
     StageRig rig(device());
     const Scene scene = parts_scene();
-    const View view = parts_view(320, 240);
+    const View view = parts_view(256, 192);
     StageOptions options = region_options();
     const RigDrawn full = rig.draw(scene, view, options);
     double before = 0;
