@@ -67,7 +67,9 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
         options.regions && allows_regions(lod.value_or(FramebufferLodOptions{}));
     RayShadows shadows;
     const auto shade = [&](const SurfaceTargets& at, const View& seen_from) {
-        const CoarseSurface base{.surface = at, .view = seen_from, .guide = {}};
+        const float off_surface = coarse ? coarse->off_surface : 0.0f;
+        const CoarseSurface base{
+            .surface = at, .view = seen_from, .guide = {}, .off_surface = off_surface};
         if (by_regions) {
             return add_region_light(graph, {scene, bounces, bvh, options}, stage.lists, base,
                                     *options.regions, lod.value_or(FramebufferLodOptions{.r = 1}),
@@ -78,7 +80,8 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                     lod.value_or(FramebufferLodOptions{}), !emits_apart);
         }
         shadows =
-            add_ray_shadows(graph, scene, seen_from, {.view_z = at.view_z, .normal = at.normal},
+            add_ray_shadows(graph, scene, seen_from,
+                            {.view_z = at.view_z, .normal = at.normal, .off_surface = off_surface},
                             stage.lists, bvh, options.shadows);
         return add_shade_pass(graph, scene, seen_from,
                               {.surface = at,

@@ -19,11 +19,12 @@ graph::TextureId add_level(graph::FrameGraph& graph, const StageLighting& lighti
         add_light_lists(graph, scene, at.view, at.surface.view_z, options,
                         (parts & kBouncedLights) != 0 ? lighting.bounces : SpawnedLights{});
     if ((parts & kShadowedLights) != 0 && wants_ray_shadows(scene)) {
-        inputs.shadow_masks =
-            add_ray_shadows(graph, scene, at.view,
-                            {.view_z = at.surface.view_z, .normal = at.surface.normal},
-                            inputs.lists, lighting.bvh, lighting.options.shadows)
-                .masks;
+        inputs.shadow_masks = add_ray_shadows(graph, scene, at.view,
+                                              {.view_z = at.surface.view_z,
+                                               .normal = at.surface.normal,
+                                               .off_surface = at.off_surface},
+                                              inputs.lists, lighting.bvh, lighting.options.shadows)
+                                  .masks;
     }
     return add_shade_pass(graph, scene, at.view, inputs);
 }
@@ -51,7 +52,9 @@ graph::TextureId add_light_levels(graph::FrameGraph& graph, const StageLighting&
     std::vector<CoarseSurface> surfaces = {base};
     for (std::size_t i = 1; i < levels.size(); ++i) {
         const CoarseSurface& finer = surfaces.back();
-        surfaces.push_back(add_coarse_surface(graph, finer.surface, finer.view, step_to(i)));
+        CoarseSurface next = add_coarse_surface(graph, finer.surface, finer.view, step_to(i));
+        next.off_surface += finer.off_surface;
+        surfaces.push_back(std::move(next));
     }
     graph::TextureId sum;
     for (std::size_t i = levels.size(); i-- > 0;) {
@@ -77,10 +80,13 @@ graph::TextureId add_region_light(graph::FrameGraph& graph, const StageLighting&
         CoarseSurface next = add_coarse_surface(graph, finer.surface, finer.view, step);
         // As small as pictures get.
         if (next.view.width == finer.view.width && next.view.height == finer.view.height) break;
+        next.off_surface += finer.off_surface;
         surfaces.push_back(std::move(next));
     }
     const auto shadow_surface = [](const CoarseSurface& at) {
-        return ShadowSurface{.view_z = at.surface.view_z, .normal = at.surface.normal};
+        return ShadowSurface{.view_z = at.surface.view_z,
+                             .normal = at.surface.normal,
+                             .off_surface = at.off_surface};
     };
     const bool shadows = wants_ray_shadows(scene);
     ShadeInputs inputs{.surface = surfaces.back().surface, .lists = lists, .emission = emission};

@@ -265,7 +265,7 @@ ShadowInputs shadow_inputs(const View& view, const ShadowSurface& surface, const
     p.globals = lists.global_count;
     p.locals = lists.local_count;
     p.most_rays = options.rays_per_pixel;
-    p.offset = options.offset;
+    p.offset = options.offset + surface.off_surface;
     p.live_bias_m = options.live_bias_m;
     if (lists.tile_px != 0) {
         p.tile_scale = glm::vec2(lists.width, lists.height) / glm::vec2(p.size) /

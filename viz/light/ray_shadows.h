@@ -37,6 +37,9 @@ struct RayShadowOptions {
 struct ShadowSurface {
     graph::TextureId view_z;  ///< metres, 0 = nothing
     graph::TextureId normal;  ///< octahedral, view space
+    /// What its points may lie off the surface they show, as a share of their depth: rays start as
+    /// much farther off.
+    float off_surface = 0;
 };
 
 struct RayShadows {

@@ -53,6 +53,18 @@ double least_factor(const FramebufferLodOptions& options) {
     return options.least_r >= 1 ? std::min(options.least_r, options.r) : options.r;
 }
 
+/// Farthest that a coarse pixel's place lies from its texel, fine pixels.
+double most_offset(int fine, int coarse) {
+    const int q = coarse / std::gcd(fine, coarse);
+    return 0.5 - 0.5 / q;
+}
+
+float off_surface(const View& fine, const LodSize& size) {
+    return static_cast<float>(
+        std::hypot(most_offset(fine.width, size.width) / fine.projection.fx,
+                   most_offset(fine.height, size.height) / fine.projection.fy));
+}
+
 struct AlongAxis {
     double scale = 1;  // coarse = scale * fine + offset
     double offset = 0;
@@ -99,13 +111,14 @@ CoarseSurface add_coarse_surface(graph::FrameGraph& graph, const SurfaceTargets&
     KINO_CHECK(fine.albedo.valid() && fine.view_z.valid() && fine.normal.valid());
     const LodSize size = lod_size(view.width, view.height, options.r);
     if (size == LodSize{view.width, view.height})
-        return {.surface = fine, .view = view, .guide = {}};
+        return {.surface = fine, .view = view, .guide = {}, .off_surface = 0};
 
     const VkExtent2D fine_room = graph.room(extent_of(view));
     const LodSize room = lod_size(static_cast<int>(fine_room.width),
                                   static_cast<int>(fine_room.height), least_factor(options));
     CoarseSurface coarse;
     coarse.view = coarse_view(view, size);
+    coarse.off_surface = off_surface(view, size);
     graph.reserve(extent_of(coarse.view), {static_cast<std::uint32_t>(room.width),
                                            static_cast<std::uint32_t>(room.height)});
     const auto width = static_cast<std::uint32_t>(size.width);

@@ -75,6 +75,9 @@ struct CoarseSurface {
     SurfaceTargets surface;
     View view;
     graph::TextureId guide;  ///< R32UI, viz/quality/lod_shared.h; packed geometry-aware only
+    /// How far its points may lie off the surface they were picked from, as a share of their depth:
+    /// where a plane cannot be followed, up to the way between a texel and the coarse pixel.
+    float off_surface = 0;
 };
 
 /// Picks the coarse surface, one fine texel for each coarse one, never averaged; one pass. Where
