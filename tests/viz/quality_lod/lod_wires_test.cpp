@@ -4,6 +4,7 @@
 
 #include "tests/viz/quality_lod/wires_scene.h"
 #include "tests/viz/viz_fixture.h"
+#include "viz/surface/mesh_shapes.h"
 
 namespace kino::test {
 namespace {
@@ -72,6 +73,43 @@ TEST_F(VizTest, ThinWiresAreShadedAnew) {
         EXPECT_LE(after.wires, 0.1 * before.wires) << lights << " lights";
         EXPECT_LE(after.others, before.others * 1.001 + 1e-3) << lights << " lights";
     }
+}
+
+/// All lights above a roof that nothing shines through.
+Scene roofed_wires(LightShadow shadow) {
+    Scene scene = wires_scene(40);
+    MeshNode roof = scene.meshes.front();
+    roof.id = 100;
+    roof.mesh = make_box({6, 0.05f, 6});
+    roof.world_from_object = glm::dmat4(1);
+    roof.world_from_object[3] = {0, 1.2, -1.8, 1};
+    roof.previous_world_from_object = roof.world_from_object;
+    scene.meshes.push_back(roof);
+    for (Light& light : scene.lights) {
+        light.position = {light.position.x, 1.6, -1.2};
+        light.radius_m = 2.5f;
+        light.shadow = shadow;
+    }
+    return scene;
+}
+
+// Shaded anew means with its own shadows, too.
+TEST_F(VizTest, WiresInTheShadeStayInIt) {
+    Renderer renderer(device());
+    FrameOptions options;
+    options.ray_shadows.half_resolution = false;
+    options.read_surface = true;
+    const Scene shaded = roofed_wires(LightShadow::raycast);
+    const FrameResult truth = draw_wires(renderer, shaded, options);
+    options.read_surface = false;
+    options.count_fixed = true;
+    options.lod = FramebufferLodOptions{.r = 4, .fix_share = 0.1f};
+    const FrameResult fixed = draw_wires(renderer, shaded, options);
+    ASSERT_TRUE(fixed.fixed);
+    EXPECT_GT(fixed.fixed->shaded, 300u);
+    EXPECT_LT(wire_error(fixed, truth).wires, 1.0);
+    const FrameResult bright = draw_wires(renderer, roofed_wires(LightShadow::none), options);
+    EXPECT_GT(wire_error(bright, truth).wires, 400.0) << "else no shadow would be missed";
 }
 
 }  // namespace
