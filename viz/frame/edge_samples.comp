@@ -15,15 +15,14 @@ layout(constant_id = 3) const uint kAsShown = 1u;
 layout(constant_id = 4) const uint kEmission = 0u;
 layout(set = 0, binding = 0) uniform usamplerBuffer listed;
 layout(set = 0, binding = 1) uniform usamplerBuffer state;
-layout(set = 0, binding = 2) uniform sampler2DMS identity;
-layout(set = 0, binding = 3) uniform sampler2DMS place;
-layout(set = 0, binding = 4) uniform sampler2D linear;
-layout(set = 0, binding = 5) uniform sampler2D albedo;
-layout(set = 0, binding = 6) uniform sampler2D view_z;
-layout(set = 0, binding = 7) uniform sampler2D normal;
-layout(set = 0, binding = 8) uniform usampler2D object;
-layout(set = 0, binding = 9) uniform usamplerBuffer materials;
-layout(scalar, set = 0, binding = 10) writeonly buffer Mixed { uvec2 mixed[]; };
+layout(set = 0, binding = 2) uniform sampler2DMS samples;
+layout(set = 0, binding = 3) uniform sampler2D linear;
+layout(set = 0, binding = 4) uniform sampler2D albedo;
+layout(set = 0, binding = 5) uniform sampler2D view_z;
+layout(set = 0, binding = 6) uniform sampler2D normal;
+layout(set = 0, binding = 7) uniform usampler2D object;
+layout(set = 0, binding = 8) uniform usamplerBuffer materials;
+layout(scalar, set = 0, binding = 9) writeonly buffer Mixed { uvec2 mixed[]; };
 #define KINO_LOD_OBJECT
 #define p push.lod
 #include "viz/quality/lod_guide.glsl"
@@ -82,13 +81,12 @@ void main() {
 
     vec4 sum = vec4(0.0);
     for (int s = 0; s < 4; ++s) {
-        vec4 what = texelFetch(identity, here, s);
-        vec2 where = texelFetch(place, here, s).rg;
+        vec4 what = texelFetch(samples, here, s);
         uint own_object = sample_object(what);
         vec3 n = sample_normal(what);
-        vec4 seen = sample_albedo(where);
-        FineGuide own =
-            FineGuide(vec2(here), is_there(where.x) ? where.x : 1.0, n, slope_of(n));
+        float z = sample_z(what);
+        vec4 seen = sample_albedo(what);
+        FineGuide own = FineGuide(vec2(here), is_there(z) ? z : 1.0, n, slope_of(n));
         vec3 across = spline(kSamplePlaces[s].x);
         vec3 down = spline(kSamplePlaces[s].y);
         float e[kAround];

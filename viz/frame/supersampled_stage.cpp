@@ -64,9 +64,8 @@ TextureId add_edge_samples(FrameGraph& graph, const Scene& scene, const View& vi
         static_cast<std::uint32_t>(lod.metric),
         options.resolve == SampleResolve::as_shown ? 1u : 0u, emission ? 1u : 0u};
     BufferId mixed = graph.create_buffer("edge colours", {std::uint64_t{edges.cap} * 8});
-    const std::array<TextureId, 7> textures = {samples.identity, samples.place,  linear,
-                                               surface.albedo,   surface.view_z, surface.normal,
-                                               surface.object};
+    const std::array<TextureId, 6> textures = {samples.texel,  linear,         surface.albedo,
+                                               surface.view_z, surface.normal, surface.object};
     graph.add_pass(
         "edges/samples", "lod",
         [&](PassBuilder& b) {

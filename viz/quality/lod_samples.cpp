@@ -46,8 +46,8 @@ LodFixList add_edge_list(graph::FrameGraph& graph, const SampleTargets& samples,
     TextureId rank =
         graph.create_texture("edges", {static_cast<std::uint32_t>(view.width),
                                        static_cast<std::uint32_t>(view.height), kRankFormat});
-    const std::array<TextureId, 6> read = {samples.identity, samples.place,  surface.albedo,
-                                           surface.view_z,   surface.normal, surface.object};
+    const std::array<TextureId, 5> read = {samples.texel, surface.albedo, surface.view_z,
+                                           surface.normal, surface.object};
     graph.add_pass(
         "edges/find", "lod",
         [&](PassBuilder& b) {

@@ -3,11 +3,10 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "viz/surface/mesh_fragment.glsl"
 #include "viz/surface/sample_surface.glsl"
-layout(location = 0) out vec4 out_identity;
-layout(location = 1) out vec2 out_place;
+layout(location = 0) out vec4 out_texel;
 
 // Once a pixel, for all samples that the triangle covers.
 void main() {
-    out_identity = packed_identity(mesh_object(), to_octahedral(mesh_normal()));
-    out_place = packed_place(mesh_position().z, vec4(mesh_albedo(), 1.0));
+    out_texel = packed_sample(mesh_object(), to_octahedral(mesh_normal()), mesh_position().z,
+                              vec4(mesh_albedo(), 1.0));
 }

@@ -8,14 +8,12 @@ layout(push_constant, scalar) uniform Push { MeshView view; };
 layout(binding = 0) uniform sampler2D albedo;
 layout(binding = 1) uniform sampler2D view_z;
 layout(binding = 2) uniform sampler2D normal;
-layout(location = 0) out vec4 out_identity;
-layout(location = 1) out vec2 out_place;
+layout(location = 0) out vec4 out_texel;
 
 // What has one sample into all of a pixel's.
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     float z = texelFetch(view_z, at, 0).x;
-    out_identity = packed_identity(0u, texelFetch(normal, at, 0).rg);
-    out_place = packed_place(z, texelFetch(albedo, at, 0));
+    out_texel = packed_sample(0u, texelFetch(normal, at, 0).rg, z, texelFetch(albedo, at, 0));
     gl_FragDepth = z > 0.0 ? min(view.near_m / z, 1.0) : 0.0;
 }

@@ -20,20 +20,18 @@ constexpr std::uint32_t kMeshSamples[] = {
 #include "mesh_samples_frag.inc"
 };
 
-constexpr VkFormat kIdentityFormat = VK_FORMAT_R16G16B16A16_UNORM;
-constexpr VkFormat kPlaceFormat = VK_FORMAT_R32G32_SFLOAT;
+constexpr VkFormat kTexelFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
+static_assert(kMaxMaterials <= 256);  // material and object id are 24 bits
 
 void begin(PassContext& c, const SampleTargets& targets) {
-    const std::array<gpu::Target, 2> colors = {
-        {{.view = c.view(targets.identity)}, {.view = c.view(targets.place)}}};
+    const std::array<gpu::Target, 1> colors = {{{.view = c.view(targets.texel)}}};
     const gpu::Target depth{.view = c.view(targets.depth)};
     const graph::TextureDesc size = c.desc(targets.depth);
     c.commands().begin_rendering({size.width, size.height}, colors, &depth);
 }
 
 void write(PassBuilder& b, SampleTargets& targets) {
-    targets.identity = b.write(targets.identity, Use::color_attachment);
-    targets.place = b.write(targets.place, Use::color_attachment);
+    targets.texel = b.write(targets.texel, Use::color_attachment);
     targets.depth = b.write(targets.depth, Use::depth_attachment);
 }
 
@@ -47,8 +45,7 @@ SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const Surf
     const auto make = [&](const char* name, VkFormat format) {
         return graph.create_texture(name, {width, height, format, kSurfaceSamples});
     };
-    SampleTargets targets{.identity = make("sample identity", kIdentityFormat),
-                          .place = make("sample place", kPlaceFormat),
+    SampleTargets targets{.texel = make("sample texels", kTexelFormat),
                           .depth = make("sample depth", kDepthFormat)};
     graph.add_pass(
         "samples/seed", "meshes",
@@ -65,7 +62,7 @@ SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const Surf
             desc.fragment = kSampleSeed;
             desc.bindings.assign(3, gpu::Binding::texture);
             desc.push_bytes = kMeshPushBytes;
-            desc.color_formats = {kIdentityFormat, kPlaceFormat};
+            desc.color_formats = {kTexelFormat};
             desc.depth_format = kDepthFormat;
             desc.depth_test = gpu::DepthTest::any_writes;
             desc.samples = kSurfaceSamples;
@@ -87,7 +84,7 @@ SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const Surf
             MeshShader shader;
             shader.name = "samples/meshes";
             shader.fragment = kMeshSamples;
-            shader.color_formats = {kIdentityFormat, kPlaceFormat};
+            shader.color_formats = {kTexelFormat};
             shader.samples = kSurfaceSamples;
             begin(c, targets);
             (void)MeshDrawer::record(c, list, shader);  // a failure fails the frame

@@ -14,10 +14,9 @@ constexpr std::uint32_t kSurfaceSamples = 4;
 /// sample holds what covers its place, and that as it is at the pixel's centre, where the surface's
 /// own plane meets the centre's ray (the rules of multisampling).
 struct SampleTargets {
-    graph::TextureId identity;  ///< RGBA16: object and normal
-    graph::TextureId place;     ///< RG32F: metres along the view axis, and colour
-    graph::TextureId depth;     ///< kDepthFormat
-    [[nodiscard]] bool valid() const { return identity.valid(); }
+    graph::TextureId texel;  ///< RGBA32F: all of it
+    graph::TextureId depth;  ///< kDepthFormat
+    [[nodiscard]] bool valid() const { return texel.valid(); }
 };
 
 /// Two passes: `ground` (live frame or background: albedo, view_z and normal) into every sample,

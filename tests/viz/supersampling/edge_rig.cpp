@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 #include <glm/packing.hpp>
@@ -34,29 +33,28 @@ gpu::Buffer must(Result<gpu::Buffer> made) {
     return std::move(*made);
 }
 
-glm::dvec3 unpacked(std::uint32_t bits) {
-    const auto part = [](std::uint32_t b) {
-        return std::max(static_cast<std::int16_t>(b & 0xFFFF) / 32767.0, -1.0);
-    };
-    glm::dvec3 n(part(bits), part(bits >> 16), 0);
-    n.z = 1 - std::abs(n.x) - std::abs(n.y);
+glm::dvec3 from_octahedral(double u, double v) {
+    glm::dvec3 n(u, v, 1 - std::abs(u) - std::abs(v));
     if (n.z < 0) {
-        const double x = n.x;
-        n.x = (1 - std::abs(n.y)) * (x >= 0 ? 1 : -1);
-        n.y = (1 - std::abs(x)) * (n.y >= 0 ? 1 : -1);
+        n.x = (1 - std::abs(v)) * (u >= 0 ? 1 : -1);
+        n.y = (1 - std::abs(u)) * (v >= 0 ? 1 : -1);
     }
     return glm::normalize(n);
 }
+double snorm(std::uint32_t bits) {
+    return std::max(static_cast<std::int16_t>(bits & 0xFFFF) / 32767.0, -1.0);
+}
+/// Of 12 bits.
+int octahedral_step(std::uint32_t bits) {
+    return static_cast<int>(std::lround((snorm(bits) * 0.5 + 0.5) * 4095));
+}
 
-/// The two texels of viz/surface/sample_surface.glsl.
-glm::uvec4 packed(const StoredSurface& s) {
-    const auto unsigned_part = [](std::uint32_t b) {
-        return static_cast<std::uint32_t>(static_cast<std::int16_t>(b & 0xFFFF) + 32768);
-    };
+/// The texel of viz/surface/sample_surface.glsl.
+glm::vec4 packed(const StoredSurface& s) {
     const float color = static_cast<float>(s.albedo.r << 16 | s.albedo.g << 8 | s.albedo.b);
-    return {s.object, unsigned_part(s.normal) | unsigned_part(s.normal >> 16) << 16,
-            std::bit_cast<std::uint32_t>(s.z),
-            std::bit_cast<std::uint32_t>(s.albedo.a != 0 ? color : -1 - color)};
+    return {s.z,
+            static_cast<float>(octahedral_step(s.normal >> 16) * 4096 + octahedral_step(s.normal)),
+            static_cast<float>(s.object), s.albedo.a != 0 ? color : -1 - color};
 }
 
 }  // namespace
@@ -115,7 +113,7 @@ EdgeResult EdgeRig::run(const EdgeScene& scene, const StageOptions& options) {
                            c.image(linear), VK_IMAGE_LAYOUT_GENERAL, 1, &all);
         });
 
-    std::vector<glm::uvec4> texels;
+    std::vector<glm::vec4> texels;
     for (const Image<StoredSurface>& sample : scene.samples) {
         for (const StoredSurface& s : sample.pixels()) texels.push_back(packed(s));
     }
@@ -123,16 +121,14 @@ EdgeResult EdgeRig::run(const EdgeScene& scene, const StageOptions& options) {
         device_, "texels", texels.size() * sizeof(texels[0]), gpu::MemoryUse::upload));
     std::memcpy(source.mapped(), texels.data(), texels.size() * sizeof(texels[0]));
     const graph::BufferId from = graph.import_buffer("texels", source);
-    SampleTargets samples{
-        .identity =
-            graph.create_texture("identity", {width, height, VK_FORMAT_R16G16B16A16_UNORM, 4}),
-        .place = graph.create_texture("place", {width, height, VK_FORMAT_R32G32_SFLOAT, 4})};
+    constexpr VkFormat kTexelFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
+    SampleTargets samples{.texel = graph.create_texture("texels", {width, height, kTexelFormat, 4}),
+                          .depth = {}};
     graph.add_pass(
         "rig/fill", "rig",
         [&](PassBuilder& b) {
             b.read(from, Use::fragment_read);
-            samples.identity = b.write(samples.identity, Use::color_attachment);
-            samples.place = b.write(samples.place, Use::color_attachment);
+            samples.texel = b.write(samples.texel, Use::color_attachment);
         },
         [=](PassContext& c) {
             gpu::PipelineDesc desc;
@@ -141,10 +137,9 @@ EdgeResult EdgeRig::run(const EdgeScene& scene, const StageOptions& options) {
             desc.fragment = kFillSamples;
             desc.bindings = {gpu::Binding::word_quads};
             desc.push_bytes = 12;
-            desc.color_formats = {VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_R32G32_SFLOAT};
+            desc.color_formats = {kTexelFormat};
             desc.samples = 4;
-            const std::array<gpu::Target, 2> targets = {
-                {{.view = c.view(samples.identity)}, {.view = c.view(samples.place)}}};
+            const std::array<gpu::Target, 1> targets = {{{.view = c.view(samples.texel)}}};
             c.commands().begin_rendering({width, height}, targets, nullptr);
             for (std::uint32_t s = 0; s < 4 && c.bind(desc, {c.bound(from)}); ++s) {
                 c.commands().constants(std::array{s, width, width * height});
@@ -183,13 +178,17 @@ EdgeResult EdgeRig::run(const EdgeScene& scene, const StageOptions& options) {
     return result;
 }
 
-reference::EdgeSurface as_reference(const StoredSurface& s, const Scene& scene) {
+reference::EdgeSurface as_reference(const StoredSurface& s, const Scene& scene, bool sample) {
     const std::size_t material = s.object >> 16;
+    const glm::dvec3 normal =
+        sample ? from_octahedral(octahedral_step(s.normal) * 2 / 4095.0 - 1,
+                                 octahedral_step(s.normal >> 16) * 2 / 4095.0 - 1)
+               : from_octahedral(snorm(s.normal), snorm(s.normal >> 16));
     reference::EdgeSurface out{
         .own = {linear_of(s.albedo.r), linear_of(s.albedo.g), linear_of(s.albedo.b)},
         .covered = s.albedo.a != 0,
         .z = s.z,
-        .normal = unpacked(s.normal),
+        .normal = normal,
         .object = s.object};
     if (material > 0 && material <= scene.materials.size()) {
         out.emission = scene.materials[material - 1].emission;

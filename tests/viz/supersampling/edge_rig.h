@@ -51,8 +51,9 @@ class EdgeRig {
     graph::Executor executor_;
 };
 
-/// For the double reference.
-[[nodiscard]] reference::EdgeSurface as_reference(const StoredSurface& s, const Scene& scene);
+/// For the double reference; the normals of samples have fewer bits.
+[[nodiscard]] reference::EdgeSurface as_reference(const StoredSurface& s, const Scene& scene,
+                                                  bool sample);
 [[nodiscard]] reference::EdgeRules rules_of(const EdgeScene& scene, const StageOptions& options);
 
 }  // namespace kino::test
