@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "apps/bench/reference_cache.h"
+#include "apps/bench/sample_pictures.h"
 #include "apps/bench/stage_player.h"
 #include "tests/support/random.h"
 #include "viz/surface/mesh_shapes.h"
@@ -14,15 +14,10 @@
 namespace kino {
 namespace {
 
+using bench::coded_srgb;
+using bench::mean_of_pictures;
 using bench::StagePlayer;
-
-MeshNode standing(std::shared_ptr<const MeshAsset> mesh, const glm::dvec3& at, double turn,
-                  std::uint32_t material, std::uint32_t id) {
-    MeshNode node{.id = id, .mesh = std::move(mesh), .material = material};
-    node.world_from_object =
-        glm::rotate(glm::translate(glm::dmat4(1), at), turn, glm::dvec3(0.2, 1, 0.1));
-    return node;
-}
+using bench::standing_node;
 
 /// Thin bars, boxes and balls before a wall: edges wherever one looks.
 Scene bars(int lights) {
@@ -41,14 +36,15 @@ Scene bars(int lights) {
     const auto box = make_box({0.4f, 0.4f, 0.4f});
     const auto ball = make_sphere(0.25f);
     std::uint32_t id = 1;
-    scene.meshes.push_back(standing(wall, {0, 0, -6}, 0, 1, id++));
+    scene.meshes.push_back(standing_node(wall, {0, 0, -6}, 0, 1, id++));
     test::Random random(5);
     for (int i = 0; i < 40; ++i) {
         const glm::dvec3 at(random.real(-3, 3), random.real(-1.4, 1.4), random.real(-5.5, -2.5));
-        scene.meshes.push_back(standing(bar, at, random.real(-0.4, 0.4), 2, id++));
+        scene.meshes.push_back(standing_node(bar, at, random.real(-0.4, 0.4), 2, id++));
         if (i % 3 == 0) {
-            scene.meshes.push_back(standing(i % 2 == 0 ? box : ball, at + glm::dvec3(0.3, 0, 0.2),
-                                            random.real(0, 3), i % 2 == 0 ? 2 : 3, id++));
+            scene.meshes.push_back(standing_node(i % 2 == 0 ? box : ball,
+                                                 at + glm::dvec3(0.3, 0, 0.2), random.real(0, 3),
+                                                 i % 2 == 0 ? 2 : 3, id++));
         }
     }
     for (int i = 0; i < lights; ++i) {
@@ -62,16 +58,6 @@ Scene bars(int lights) {
     return scene;
 }
 
-View moved(View view, double x_px, double y_px) {
-    view.projection.cx -= static_cast<float>(x_px);
-    view.projection.cy -= static_cast<float>(y_px);
-    return view;
-}
-
-double coded(double c) {
-    return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
-}
-
 /// PSNR of sRGB-coded values, dB, over the pixels that `counts` says.
 template <class Counts>
 double psnr(const Image<glm::dvec3>& a, const Image<glm::dvec3>& b, const Counts& counts) {
@@ -79,7 +65,7 @@ double psnr(const Image<glm::dvec3>& a, const Image<glm::dvec3>& b, const Counts
     for (std::size_t i = 0; i < a.size(); ++i) {
         if (!counts(i)) continue;
         for (int k = 0; k < 3; ++k) {
-            const double off = coded(a.pixels()[i][k]) - coded(b.pixels()[i][k]);
+            const double off = coded_srgb(a.pixels()[i][k]) - coded_srgb(b.pixels()[i][k]);
             sum += off * off;
             values += 1;
         }
@@ -98,24 +84,11 @@ void bench_forward_samples(BenchContext& context, gpu::Device& device) {
                     .world_from_view = look_at({0, 0, 0}, {0, 0, -1})};
     const Scene scene = bars(quick ? 200 : 500);
     StagePlayer player(device);
-    const auto draw_mean = [&](int side) -> Result<Image<glm::dvec3>> {
-        Image<glm::dvec3> mean(width, height);
-        for (int i = 0; i < side * side; ++i) {
-            const View at =
-                moved(view, (i % side + 0.5) / side - 0.5, (i / side + 0.5) / side - 0.5);
-            KINO_ASSIGN(const auto drawn, player.draw(scene, at, {}, true));
-            const auto shown = StagePlayer::shown(scene, drawn.linear);
-            for (std::size_t k = 0; k < mean.size(); ++k) {
-                mean.pixels()[k] += shown.pixels()[k] / double(side * side);
-            }
-        }
-        return mean;
-    };
     const auto mean_of = [&](int side) {
         // The scene and its view are this program's, as drawing is.
         bench::ReferenceKey key("forward-samples", bench::program_version(device.info().driver));
-        return context.references.image<glm::dvec3>(key.add(quick).add(side),
-                                                    [&] { return draw_mean(side); });
+        return context.references.image<glm::dvec3>(
+            key.add(quick).add(side), [&] { return mean_of_pictures(player, scene, view, side); });
     };
     context.progress("samples: reference");
     const auto reference = mean_of(4);
@@ -151,8 +124,8 @@ void bench_forward_samples(BenchContext& context, gpu::Device& device) {
     // An edge: one sample and sixteen do not agree.
     const auto is_edge = [&](std::size_t i) {
         for (int k = 0; k < 3; ++k) {
-            if (std::abs(coded(pictures[0].pixels()[i][k]) - coded(reference->pixels()[i][k])) >
-                6.0 / 255) {
+            if (std::abs(coded_srgb(pictures[0].pixels()[i][k]) -
+                         coded_srgb(reference->pixels()[i][k])) > 6.0 / 255) {
                 return true;
             }
         }

@@ -70,6 +70,10 @@ constexpr Entry kEntries[] = {
     {"one-bounce", "virtual lights against a double-precision sum over what a torch shines on",
      &bench_one_bounce},
 #endif
+#ifdef KINO_BENCH_SUPERSAMPLING
+    {"supersampling", "edges smoothed from one sample's light against four shaded samples",
+     &bench_supersampling},
+#endif
 #ifdef KINO_BENCH_GOVERNOR
     {"governor", "the frame budget on a stage with disturbances, against fixed settings",
      &bench_governor},

@@ -17,6 +17,7 @@ void bench_raster(BenchContext& context);
 void bench_skinning(BenchContext& context);
 void bench_forward_plus(BenchContext& context);
 void bench_one_bounce(BenchContext& context);
+void bench_supersampling(BenchContext& context);
 void bench_vertex_pulling(BenchContext& context);
 void bench_framebuffer_lod(BenchContext& context);
 void bench_registration(BenchContext& context);
