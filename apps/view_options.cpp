@@ -134,7 +134,8 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
         ->check([](const std::string& word) { return check_number(word, 0, 0.5); })
         ->type_name("SHARE");
     app.add_option("--samples", options->samples,
-                   "a pixel of a scene's meshes, 1 (default) or 4: smooth edges; not with --lod")
+                   "a pixel of a scene's meshes, 1 (default) or 4: smooth edges, shaded or, with "
+                   "--lod, from the light that is there")
         ->check(CLI::IsMember({1, 4}))
         ->type_name("N");
     app.add_flag("--true-error", options->true_error,

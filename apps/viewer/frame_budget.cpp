@@ -197,7 +197,10 @@ const FrameChoice& FrameBudget::begin_frame(const Scene& scene, const View& view
         return choice_;
     }
     frame.lod.reset();
-    if (choice_.lod > 1) {
+    // Where LOD comes and goes, several samples take the light that is there at 1, too: shaded ones
+    // cost four times as much.
+    const bool varies = replays_ || options_.mode == GovernorMode::automatic;
+    if (choice_.lod > 1 || (varies && frame.samples > 1)) {
         frame.lod = FramebufferLodOptions{.r = choice_.lod,
                                           .fix_share = static_cast<float>(options_.fix_share)};
         if (choice_.bilinear) {

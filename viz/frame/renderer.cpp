@@ -151,7 +151,8 @@ Result<FrameResult> Renderer::render(const Scene& scene, const View& shown,
                                                            .tone_map = wants_tone_map(scene)},
                                        .read_ids = options.read_surface,
                                        .samples = options.samples,
-                                       .resolve = options.resolve});
+                                       .resolve = options.resolve,
+                                       .edge_share = options.edge_share});
         surface = stage.surface;
         fix_state = stage.fixed.state;
         picture = stage.picture.valid()

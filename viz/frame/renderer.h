@@ -44,10 +44,11 @@ struct FrameOptions {
     std::optional<FramebufferLodOptions> lod;
     PartRates part_rates;                     ///< resizing of parts of the light (stage.h)
     std::optional<RegionLodOptions> regions;  ///< resizing by tiles (stage.h)
-    /// 4: scenes with meshes get smooth edges (multisampled_stage.h); not with lod. 1 costs
-    /// nothing.
+    /// 4: scenes with meshes get smooth edges: shaded (multisampled_stage.h) or, with lod, whose r
+    /// may be 1, from light that is there (supersampled_stage.h). 1 costs nothing.
     std::uint32_t samples = 1;
     SampleResolve resolve = SampleResolve::as_shown;
+    float edge_share = 0.25f;  ///< with lod and samples: at most this share of the picture is edge
     ZoomOptions zoom;  ///< the whole picture coarser, enlarged by copying; the overlay is not
     /// Set: the finished picture is brought to the newest pose, just before the overlay.
     std::optional<DeflectOptions> deflect;
