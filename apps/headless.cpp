@@ -24,7 +24,9 @@
 #include "apps/viewer/scene_builder.h"
 #include "apps/viewer/true_error.h"
 #include "apps/viewer/window_camera.h"
+#include "sensor/file_bytes.h"
 #include "sensor/png_io.h"
+#include "viz/frame/learning/light_learning.h"
 #include "viz/frame/renderer.h"
 
 namespace kino {
@@ -38,6 +40,8 @@ constexpr int kDefaultHeight = 720;
 constexpr TimeNs kLeastLength = 4 * kNsPerSecond;
 
 constexpr std::int64_t kTrueErrorEvery = 30;
+/// About as many of a source's pictures are learned from.
+constexpr std::int64_t kLearningPoses = 8;
 
 /// A name of a folder for a source: what a person would call it, without odd characters.
 std::string slug(const std::string& uri) {
@@ -86,6 +90,8 @@ class HeadlessRun {
     FrameBudget budget_;
     double last_time_s_ = 0;
     RunVideo video_;
+    LightLearning learning_;
+    bool learns_now_ = false;
 };
 
 Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper& stepper,
@@ -118,11 +124,14 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
     frame_options.samples = static_cast<std::uint32_t>(options_.samples.value_or(1));
+    frame_options.part_rates = options_.part_rates;
+    frame_options.regions = options_.regions;
     frame_options.read_picture = true;
     SourceSummary& source = summary_.sources.back();
     source.color = builder_.color_mode(draw);
     const Scene& scene = builder_.scene(draw);
     if (director != nullptr) source.stage = {director->local_lights(), scene.meshes.size()};
+    if (learns_now_) KINO_TRY(learning_.add(renderer_, scene, view, frame_options));
     budget_.begin_frame(scene, view, frame_options);
     if (source.true_error && source.frames % kTrueErrorEvery == 0) {
         KINO_ASSIGN(const TrueError error,
@@ -184,6 +193,8 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
             return fail("brings no depth, so there is nothing to draw in 3D", uri,
                         "a window shows its pictures");
         }
+        learns_now_ = !options_.learn.empty() &&
+                      feed.index() % std::max<std::int64_t>(1, frames / kLearningPoses) == 0;
         const TimeNs began = now_ns();
         KINO_ASSIGN(const FrameResult drawn, draw(*frame, feed.stepper(), to_seconds(shown)));
         const TimeNs rendered = now_ns();
@@ -219,6 +230,10 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
 }
 
 Result<void> HeadlessRun::finish() {
+    if (!options_.learn.empty()) {
+        const std::string table = light_table_to_json(learning_.table());
+        KINO_TRY(write_file_bytes(options_.learn, table.data(), table.size()));
+    }
     summary_.video_codec = video_.codec();
     return video_.finish();
 }

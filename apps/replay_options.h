@@ -12,7 +12,9 @@
 #include "apps/viewer/zoom_chooser.h"
 #include "sensor/playback.h"
 #include "sensor/session/recorder.h"
+#include "viz/light/light_parts.h"
 #include "viz/output/swapchain.h"
+#include "viz/quality/lod_regions.h"
 #include "viz/scene/scene.h"
 #include "viz/scene/scene_file.h"
 #include "viz/surface/depth_rasterizer.h"
@@ -48,7 +50,10 @@ struct ReplayOptions {
     std::optional<double> lod;      ///< framebuffer LOD of scenes: resizing factor; 1: off
     bool lod_auto = false;          ///< or as the frame time asks for
     std::filesystem::path lod_log;  ///< or as in the run that this file tells of; empty: not
-    std::optional<int> zoom;        ///< whole pictures so much coarser; lod_auto: at most
+    PartRates part_rates;           ///< of parts of a scene's light
+    std::optional<RegionLodOptions> regions;  ///< of its light by tiles
+    std::filesystem::path learn;              ///< headless: what its light costs; empty: not
+    std::optional<int> zoom;                  ///< whole pictures so much coarser; lod_auto: at most
     SceneZoomBy zoom_by = SceneZoomBy::fixed;  ///< or who chooses that
     std::optional<int> most_zoom;              ///< of who chooses
     std::optional<double> fix_share;           ///< of the pixels, shaded anew where light is coarse

@@ -43,6 +43,31 @@ void add_choice(CLI::App& app, const char* name, Out& out, std::map<std::string,
         ->type_name(words);
 }
 
+/// Rates of parts of the light, and tiles.
+void add_light_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& options) {
+    const auto rate = [](const std::string& word) { return check_number(word, 1, 8); };
+    app.add_option("--plain-lod", options->part_rates.plain,
+                   "with --scene: as --lod R, for lights that cast no shadows by rays")
+        ->check(rate)
+        ->type_name("R");
+    app.add_option("--bounce-lod", options->part_rates.bounced, "and for bounced light")
+        ->check(rate)
+        ->type_name("R");
+    app.add_option_function<double>(
+           "--regions",
+           [options](double limit) {
+               options->regions = RegionLodOptions{.limit = static_cast<float>(limit)};
+           },
+           "with --scene: light up to four times coarser than --lod in tiles where it changes by "
+           "less than this from one coarse pixel to the next, 0.01 to 1")
+        ->check([](const std::string& word) { return check_number(word, 0.01, 1); })
+        ->type_name("LIMIT");
+    app.add_option("--learn", options->learn,
+                   "with --scene and --headless: write what its light costs, part by part, and "
+                   "loses when it is coarser, as JSON")
+        ->type_name("FILE");
+}
+
 void add_zoom_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& options) {
     static const std::map<std::string, SceneZoomBy> kChoosers = {
         {"reactive", SceneZoomBy::reactive},
@@ -127,6 +152,7 @@ void add_view_options(CLI::App& app, const std::shared_ptr<ReplayOptions>& optio
             return log ? std::string() : log.error().to_string();
         })
         ->type_name("off|auto|R|FILE");
+    add_light_options(app, options);
     add_zoom_options(app, options);
     app.add_option("--fix", options->fix_share,
                    "with --lod: shade anew what no coarse pixel resembles, at most this share of "

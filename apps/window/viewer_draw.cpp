@@ -42,6 +42,8 @@ FrameOptions Viewer::picture_options(const WindowInput& input, ImDrawData& lists
     FrameOptions options;
     options.raster = options_.raster;
     options.samples = static_cast<std::uint32_t>(samples_);
+    options.part_rates = options_.part_rates;
+    options.regions = options_.regions;
     options.timing = settings_.show_overlay ? graph::Timing::one_group : graph::Timing::frame;
     probed_.reset();
     const glm::ivec2 cursor(input.cursor_px);
