@@ -75,9 +75,18 @@ OnTime on_time(const std::vector<double>& ms, double target_ms) {
     return result;
 }
 
-void sleep_until(TimeNs when) {
-    std::this_thread::sleep_for(std::chrono::nanoseconds(std::max<TimeNs>(0, when - now_ns())));
-}
+/// The session's clock, which stands while the bench does what no program would.
+class SessionClock {
+  public:
+    [[nodiscard]] TimeNs now() const { return now_ns() - stood_; }
+    void leave_out(TimeNs since) { stood_ += now() - since; }
+    void sleep_until(TimeNs when) const {
+        std::this_thread::sleep_for(std::chrono::nanoseconds(std::max<TimeNs>(0, when - now())));
+    }
+
+  private:
+    TimeNs stood_ = 0;
+};
 
 class GovernorBench {
   public:
@@ -130,34 +139,36 @@ Result<GovernedRun> GovernorBench::play(const Setting& setting, int stride, bool
     script_->restart();
     renderer_.cut();
     const auto& all = GovernorScript::disturbances();
-    TimeNs shown = 0;  ///< 0: none before
+    SessionClock clock;
+    TimeNs last_shown = -1;  ///< below 0: none yet
     for (int i = 0; i < script_->frames(); ++i) {
+        const TimeNs before_scene = clock.now();
         const auto moment = script_->next();
+        clock.leave_out(before_scene);
         if (i % stride != 0) continue;
-        // Making the scene is none of the picture's time, and waits for nothing.
         if (paced) {
-            const double expected_ms = budget.expected_ms();
-            sleep_until(pacer.begin_at(
-                now_ns(), static_cast<TimeNs>(expected_ms * static_cast<double>(kNsPerMs))));
+            const double expected_ns = budget.expected_ms() * static_cast<double>(kNsPerMs);
+            clock.sleep_until(pacer.begin_at(clock.now(), static_cast<TimeNs>(expected_ns)));
         }
         FrameOptions options;
-        const TimeNs began = now_ns();
+        const TimeNs began = clock.now();
         const FrameChoice choice = budget.begin_frame(moment.scene, moment.view, options);
         KINO_ASSIGN(const FrameResult drawn,
                     renderer_.render_to_image(moment.scene, moment.view, options));
-        const double ms = to_ms(now_ns() - began);
+        const double ms = to_ms(clock.now() - began);
         budget.frame_took(drawn, ms);
         if (paced) {
-            sleep_until(pacer.show_at(now_ns()));
-            const TimeNs now = now_ns();
-            pacer.shown(now);
-            if (shown != 0) run.shown.push_back(to_ms(now - shown));
-            shown = now;
+            clock.sleep_until(pacer.show_at(clock.now()));
+            const TimeNs shown = clock.now();
+            pacer.shown(shown);
+            if (last_shown >= 0) run.shown.push_back(to_ms(shown - last_shown));
+            last_shown = shown;
         }
         run.ms.push_back(ms);
         run.disturbance.push_back(static_cast<int>(&moment.disturbance - all.data()));
         run.estimated += choice.estimated_error;
         if (errors && i % kTrueEvery == kTrueEvery / 2) {
+            const TimeNs before_comparison = clock.now();
             KINO_ASSIGN(const TrueError error,
                         measure_true_error(renderer_, moment.scene, moment.view, options));
             run.flip += error.flip;
@@ -166,9 +177,7 @@ Result<GovernedRun> GovernorBench::play(const Setting& setting, int stride, bool
                 run.psnr_db += error.psnr_db;
                 ++run.compared_unequal;
             }
-            // The comparison is no part of the session.
-            pacer.restart();
-            shown = 0;
+            clock.leave_out(before_comparison);
         }
     }
     run.estimated /= static_cast<double>(std::max<std::size_t>(1, run.ms.size()));
@@ -374,7 +383,8 @@ Result<void> GovernorBench::run() {
         "{:.1f} % at most 1.1 of it; the median is {:.2f} of it.",
         100 * ready.within, 100 * ready.share, bench::quantile(held.ms, 0.5) / target_ms_));
     context_.note(fmt::format(
-        "A frame is everything from the choice of the level to the picture in host memory. The "
+        "A frame is everything from the choice of the level to the picture in host memory; the "
+        "script's own work is left out of the clock. The "
         "target is the highest of the usual rates that takes more than 0.6 of full quality's "
         "median. True errors are against full quality of the same frame, every {}th frame; fixed "
         "settings draw every {}th frame of the same script at the same rate.",

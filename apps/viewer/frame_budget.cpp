@@ -15,7 +15,7 @@ constexpr double kVeryLate = 1.5;
 /// predictions held for as many, within bounds.
 constexpr double kOnTimeShare = 0.95;
 constexpr double kLeastHeadroom = 0.75;
-constexpr double kMostHeadroom = 0.97;
+constexpr double kMostHeadroom = 0.92;
 constexpr int kLateFrames = 2;
 /// Zoom and the way of resizing are seen to change.
 constexpr int kCalmFrames = 20;

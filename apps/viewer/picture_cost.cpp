@@ -25,8 +25,11 @@ constexpr double kSameShare = 0.05;
 constexpr std::int64_t kSameLoad = 90;  ///< frames
 constexpr int kSamePoints = 6;
 constexpr double kMostPart = 0.98;
-/// More lights hide each other and what they light: the time grows with this power of their count.
-constexpr double kLightsPower = 0.75;
+/// Lights hide each other and reach past what they light: the time grows with this power of their
+/// count, more or less (light painting: 0.6 to 1).
+constexpr double kLights = 0.75;
+constexpr double kMoreLights = 1;
+constexpr double kFewerLights = 0.5;
 /// Shading and resizing work for every sample. A load that changed between two points makes it
 /// seem otherwise, and a level that seems worthless would never be tried again.
 constexpr double kLeastPart = 0.8;
@@ -102,20 +105,22 @@ double PictureCost::share_for(const Group& group, const PictureLevel& level, glm
     return 1;
 }
 
-double PictureCost::more_lights(const PictureWork& work) const {
-    return std::pow(work.lights / first_work_.lights, kLightsPower);
+double PictureCost::burden(const Group& group, const PictureWork& work, double lights_power) {
+    if (group.grows == Grows::with_shaded) {
+        return std::pow(work.lights / group.work.lights, lights_power);
+    }
+    if (group.name != "meshes") return 1;
+    return 1 - kTrianglePart + kTrianglePart * work.triangles / std::max(1.0, group.work.triangles);
 }
 
-double PictureCost::burden(const Group& group, const PictureWork& work) const {
-    if (group.grows == Grows::with_shaded) return more_lights(work);
-    if (group.name != "meshes") return 1;
-    return 1 - kTrianglePart + kTrianglePart * work.triangles / first_work_.triangles;
+double PictureCost::safe_burden(const Group& group, const PictureWork& work) {
+    return burden(group, work, work.lights > group.work.lights ? kMoreLights : kFewerLights);
 }
 
 double PictureCost::ms_of(const Group& group, const PictureLevel& level, glm::ivec2 size,
-                          const PictureWork& work) const {
+                          const PictureWork& work) {
     const double share = share_for(group, level, size);
-    return share < 0 ? 0 : burden(group, work) * group.at(share);
+    return share < 0 ? 0 : safe_burden(group, work) * group.at(share);
 }
 
 double PictureCost::Group::at(double share) const {
@@ -175,7 +180,7 @@ double PictureCost::unmeasured_ms(const PictureLevel& level, glm::ivec2 size) co
 }
 
 double PictureCost::shaded(const PictureShare& share, const PictureWork& work) const {
-    return share.shaded * more_lights(work);
+    return share.shaded * std::pow(work.lights / first_lights_, kLights);
 }
 
 double PictureCost::line_ms(const PictureLevel& level, glm::ivec2 size,
@@ -239,10 +244,7 @@ void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size, const Pictur
                         std::span<const graph::GroupTime> groups, double frame_ms, bool at_once) {
     if (!std::isfinite(frame_ms) || frame_ms < 0) return;
     frame_ms_ = frame_ms;
-    if (++frame_ == 1) {
-        first_work_ = {.lights = std::max(0.1, work.lights),
-                       .triangles = std::max(1.0, work.triangles)};
-    }
+    if (++frame_ == 1) first_lights_ = work.lights;
     learn_line(drawn, size, work, frame_ms);
     if (groups.empty()) {
         knows_groups_ = false;
@@ -268,7 +270,8 @@ void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size, const Pictur
                         .part = key.grows == Grows::never        ? 0
                                 : key.grows == Grows::with_drawn ? first_part(time.group)
                                                                  : kMostPart};
-            group.ms = time.ms / burden(group, work);
+            group.ms = time.ms;
+            group.work = work;
             group.x = std::max(0.0, share_for(group, drawn, size));
             groups_.emplace(key.text, group);
             measured_ms += time.ms;
@@ -278,7 +281,11 @@ void PictureCost::learn(const PictureLevel& drawn, glm::ivec2 size, const Pictur
         measured_ms += measured ? time.ms : ms_of(group, drawn, size, work);
         const double share = share_for(group, drawn, size);
         if (measured && share >= 0) {
-            group.add(share, time.ms / burden(group, work), at_once, frame_);
+            const double more = burden(group, work, kLights);
+            group.ms *= more;
+            group.then_ms *= more;
+            group.work = work;
+            group.add(share, time.ms, at_once, frame_);
         }
     }
     // What would have run at this level and did not is no longer called for.

@@ -54,6 +54,7 @@ class PictureCost {
         Grows grows = Grows::never;
         Reconstruction reconstruction = Reconstruction::geometry_aware;  ///< of resized ones
         double part = 1;
+        PictureWork work;                 ///< of the newest point
         double x = 1, ms = 0;             ///< newest point: share of pixels, time
         double then_x = -1, then_ms = 0;  ///< the last one at another share; below 0: none
         std::int64_t then_frame = 0;
@@ -72,12 +73,14 @@ class PictureCost {
     /// Share of the picture's pixels that a group works on; below 0: it does not run.
     [[nodiscard]] static double share_for(const Group& group, const PictureLevel& level,
                                           glm::ivec2 size);
-    /// How much more a group has to do with other lights and triangles than those of the first
-    /// frame, which all times are kept for.
-    [[nodiscard]] double more_lights(const PictureWork& work) const;
-    [[nodiscard]] double burden(const Group& group, const PictureWork& work) const;
-    [[nodiscard]] double ms_of(const Group& group, const PictureLevel& level, glm::ivec2 size,
-                               const PictureWork& work) const;
+    /// How much longer a group takes with this work than with that of its newest measurement, where
+    /// so many times the lights take so many times the time to the power of `lights_power`.
+    [[nodiscard]] static double burden(const Group& group, const PictureWork& work,
+                                       double lights_power);
+    /// Rather too much than too little: what is wrong then is put right without a late frame.
+    [[nodiscard]] static double safe_burden(const Group& group, const PictureWork& work);
+    [[nodiscard]] static double ms_of(const Group& group, const PictureLevel& level,
+                                      glm::ivec2 size, const PictureWork& work);
     [[nodiscard]] double unmeasured_ms(const PictureLevel& level, glm::ivec2 size) const;
     [[nodiscard]] double line_ms(const PictureLevel& level, glm::ivec2 size,
                                  const PictureWork& work) const;
@@ -87,7 +90,7 @@ class PictureCost {
                     double frame_ms);
 
     std::map<std::string, Group> groups_;
-    PictureWork first_work_;
+    double first_lights_ = 1;  ///< of the line
     bool knows_groups_ = false;
     double rest_ms_ = -1;  ///< host and hand-over; below 0: not learnt yet
     double frame_ms_ = 0;  ///< of the last frame

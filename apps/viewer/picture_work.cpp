@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace kino {
 namespace {
@@ -9,11 +10,20 @@ namespace {
 /// Of a pixel's shading so much is done whatever lights there are, in lights.
 constexpr double kUnlit = 0.5;
 
-/// Share of [0, size) that [at - half, at + half] covers, pixel centres at integers.
-double covered(double at, double half, int size) {
-    const double first = std::clamp(at - half + 0.5, 0.0, static_cast<double>(size));
-    const double last = std::clamp(at + half + 0.5, 0.0, static_cast<double>(size));
-    return (last - first) / size;
+/// Share of [0, size) px in which a sphere is seen along one axis of the picture: between the two
+/// tangents from the eye, `side` and `ahead` being its centre's place.
+double seen_along(double side, double ahead, double radius, double f, double c, int size) {
+    constexpr double kRight = std::numbers::pi / 2;
+    const double away = std::hypot(side, ahead);
+    if (away <= radius) return 1;
+    const double middle = std::atan2(side, ahead);
+    const double half = std::asin(radius / away);
+    if (middle - half >= kRight || middle + half <= -kRight) return 0;
+    const auto pixel = [&](double angle) {
+        if (std::abs(angle) >= kRight) return angle > 0 ? static_cast<double>(size) : 0.0;
+        return std::clamp(f * std::tan(angle) + c + 0.5, 0.0, static_cast<double>(size));
+    };
+    return (pixel(middle + half) - pixel(middle - half)) / size;
 }
 
 double share_lit(const Light& light, const View& view) {
@@ -27,13 +37,10 @@ double share_lit(const Light& light, const View& view) {
     }
     const Pose& pose = view.world_from_view;
     const glm::dvec3 seen = glm::conjugate(pose.rotation) * (center - pose.translation);
-    if (!(seen.z > -radius)) return 0;
-    if (glm::dot(seen, seen) <= radius * radius || seen.z < 0.1 * radius) return 1;
+    if (!(radius > 0) || seen.z <= -radius) return 0;
     const Projection& p = view.projection;
-    // Of a sphere the outline is seen a little larger than its middle plane.
-    const double half = radius / std::sqrt(std::max(1e-6, glm::dot(seen, seen) - radius * radius));
-    return covered(p.fx * seen.x / seen.z + p.cx, p.fx * half, view.width) *
-           covered(p.fy * seen.y / seen.z + p.cy, p.fy * half, view.height);
+    return seen_along(seen.x, seen.z, radius, p.fx, p.cx, view.width) *
+           seen_along(seen.y, seen.z, radius, p.fy, p.cy, view.height);
 }
 
 }  // namespace

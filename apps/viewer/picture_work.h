@@ -7,7 +7,7 @@ namespace kino {
 
 /// What a frame will have to do, counted before it is drawn.
 struct PictureWork {
-    double lights = 1;  ///< lights over a pixel, in the mean; what is shaded without any counts too
+    double lights = 1;  ///< lights over a pixel, in the mean; above 0, for pixels without any count
     double triangles = 1;
     friend bool operator==(const PictureWork&, const PictureWork&) = default;
 };

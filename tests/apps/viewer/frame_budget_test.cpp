@@ -238,6 +238,103 @@ TEST(FrameBudget, AnswersStepsOfTheLoadAndRecovers) {
     EXPECT_LE(longest, 3);
 }
 
+/// Lights all about the viewer, so that each counts in full.
+void put_lights(Scene& scene, int count) {
+    scene.lights.assign(static_cast<std::size_t>(count),
+                        {.kind = LightKind::point, .position = {0, 0, 0}, .radius_m = 5});
+}
+
+TEST(FrameBudget, AnswersLightsBeforeTheyAreDrawn) {
+    test::Random random(8);
+    double longest_counted = 0;
+    int late_uncounted = 0;
+    for (int round = 0; round < 40; ++round) {
+        Plant plant{.light_ms = random.real(30, 60),
+                    .noise = 0.03,
+                    .random = test::Random(300 + static_cast<std::uint64_t>(round))};
+        Plant same = plant;
+        const double target_ms = random.real(0.8, 1.1) * plant.expected_ms({});
+        Play counted(automatic(target_ms)), uncounted(automatic(target_ms));
+        put_lights(counted.scene, 100);
+        for (int i = 0; i < 60; ++i) {
+            counted.step(plant);
+            uncounted.step(same);
+        }
+        // Some of the lights hide behind each other.
+        const double times = random.real(2, 4);
+        const double power = random.real(0.6, 1);
+        put_lights(counted.scene, static_cast<int>(100 * times));
+        plant.light_ms *= std::pow(times, power);
+        same.light_ms *= std::pow(times, power);
+        double longest = 0, without = 0;
+        for (int i = 0; i < 60; ++i) {
+            longest = std::max(longest, counted.step(plant) / target_ms);
+            without = std::max(without, uncounted.step(same) / target_ms);
+        }
+        longest_counted = std::max(longest_counted, longest);
+        late_uncounted += without > 1.15 ? 1 : 0;
+        EXPECT_GT(counted.budget.choice().lod, 1);
+    }
+    EXPECT_LE(longest_counted, 1.15);
+    EXPECT_GE(late_uncounted, 35) << "the load is none that has to be counted";
+}
+
+TEST(FrameBudget, LosesLessThanTheBestFixedSettingThatHoldsTheRate) {
+    test::Random random(12);
+    constexpr int kScripts = 20, kPhases = 5, kFramesAPhase = 120;
+    constexpr double kTargetMs = 50;
+    int better = 0, compared = 0;
+    for (int script = 0; script < kScripts; ++script) {
+        std::vector<Plant> phases;
+        for (int i = 0; i < kPhases; ++i) {
+            phases.push_back(
+                {.light_ms = random.real(15, 150),
+                 .guided_ms = random.real(4, 8),
+                 .pixels_ms = random.real(4, 14),
+                 .noise = 0.06,
+                 .random = test::Random(static_cast<std::uint64_t>(1000 * script + i))});
+        }
+        struct Held {
+            int late = 0, in_a_row = 0, longest = 0;
+            void add(double ms) {
+                const bool is_late = ms > 1.1 * kTargetMs;
+                late += is_late ? 1 : 0;
+                in_a_row = is_late ? in_a_row + 1 : 0;
+                longest = std::max(longest, in_a_row);
+            }
+            [[nodiscard]] bool holds() const {
+                return late <= kPhases * kFramesAPhase / 10 && longest <= 3;
+            }
+        };
+        double best = std::numeric_limits<double>::infinity();
+        for (const PictureLevel& level : picture_levels(true, 2)) {
+            if (level.reconstruction == Reconstruction::bilinear) continue;
+            Play fixed({.mode = GovernorMode::fixed, .lod = level.lod, .zoom = level.zoom});
+            Held held;
+            for (Plant plant : phases) {
+                for (int i = 0; i < kFramesAPhase; ++i) held.add(fixed.step(plant));
+            }
+            if (held.holds()) best = std::min(best, level.error);
+        }
+        Play governed(automatic(kTargetMs, 2));
+        Held held;
+        double error = 0;
+        for (Plant plant : phases) {
+            for (int i = 0; i < kFramesAPhase; ++i) {
+                held.add(governed.step(plant));
+                error += governed.budget.choice().estimated_error / (kPhases * kFramesAPhase);
+            }
+        }
+        EXPECT_TRUE(held.holds()) << "script " << script << ": " << held.late << " late, "
+                                  << held.longest << " in a row";
+        if (!std::isfinite(best)) continue;
+        ++compared;
+        better += error <= best ? 1 : 0;
+    }
+    EXPECT_GE(compared, kScripts - 3);
+    EXPECT_GE(better, 0.85 * compared);
+}
+
 TEST(FrameBudget, FollowsItsTarget) {
     Plant plant{.light_ms = 100};
     Play run(automatic(200));

@@ -237,6 +237,86 @@ TEST(Governor, DoesNotFollowALoadThatComesAndGoes) {
     EXPECT_LE(governor.changes(), 20);
 }
 
+/// Times that are known, as they are offered where something else learns them.
+PartOffer known_times(double scale) {
+    PartOffer part{.name = "picture", .levels = {}, .first_ms_per_work = 1};
+    for (const double r : {1.0, 1.25, 1.5, 2.0, 3.0}) {
+        part.levels.push_back({.name = std::to_string(r),
+                               .work = scale * 40 / (r * r),
+                               .error = 0.02 * (r - 1),
+                               .kind = 0});
+    }
+    part.levels.push_back({.name = "small", .work = scale * 4, .error = 0.1, .kind = 1});
+    return part;
+}
+
+GovernorOptions small_steps() {
+    return {.target_ms = 30,
+            .headroom = 0.95,
+            .late_frames = 1,
+            .calm_frames = 20,
+            .small_step = 0.35,
+            .small_calm_frames = 3,
+            .learns = false,
+            .fixed = {}};
+}
+
+TEST(Governor, StepsWithinAKindAreQuickAndSmallAndOthersWait) {
+    Governor governor(small_steps());
+    const auto play = [&](double scale, int frames) {
+        std::vector<std::size_t> choices;
+        for (int i = 0; i < frames; ++i) {
+            const std::vector<PartOffer> wanted = {known_times(scale)};
+            choices.push_back(governor.begin_frame(wanted)[0]);
+            governor.frame_took(wanted[0].levels[choices.back()].work);
+        }
+        return choices;
+    };
+    EXPECT_EQ(play(8, 5).back(), 5u) << "only the small picture fits";
+    // The load goes: back to the other kind at the earliest after the long wait.
+    const auto after = play(3, 60);
+    const auto back = static_cast<std::size_t>(
+        std::find_if(after.begin(), after.end(), [](std::size_t level) { return level < 5; }) -
+        after.begin());
+    EXPECT_GE(back, 15u);
+    EXPECT_LE(back, 21u);
+    // Within the kind it climbs by steps of a third of the target and three frames each.
+    const auto climb = play(0.7, 20);
+    EXPECT_EQ(climb.back(), 0u);
+    for (std::size_t i = 1; i < climb.size(); ++i) {
+        const PartOffer part = known_times(0.7);
+        EXPECT_LE(part.levels[climb[i]].work - part.levels[climb[i - 1]].work, 0.35 * 30 + 1e-9);
+    }
+    EXPECT_EQ(std::count(climb.begin() + 12, climb.end(), 0u), 8);
+    // A jump that is known before is answered at once, both ways.
+    EXPECT_EQ(governor.begin_frame(std::vector<PartOffer>{known_times(8)}, true)[0], 5u);
+    governor.frame_took(1);
+    EXPECT_EQ(governor.begin_frame(std::vector<PartOffer>{known_times(0.7)}, true)[0], 0u);
+}
+
+TEST(Governor, WhatFailedWaitsAndWhatIsCheaperDoesNot) {
+    Governor governor(small_steps());
+    // The best level takes twice what it is thought to, and that is forgotten again and again.
+    int tries = 0, since_tried = 0;
+    std::size_t before = 0;
+    std::vector<std::size_t> last;
+    for (int i = 0; i < 1200; ++i) {
+        std::vector<PartOffer> wanted = {known_times(0.7)};
+        ++since_tried;
+        if (before == 0 || since_tried < 25) wanted[0].levels[0].work *= 2;
+        const std::size_t level = governor.begin_frame(wanted)[0];
+        tries += level == 0 && before != 0 ? 1 : 0;
+        if (level == 0) since_tried = 0;
+        before = level;
+        last.push_back(level);
+        governor.frame_took(
+            (level == 0 ? 2 * known_times(0.7).levels[0].work : wanted[0].levels[level].work));
+    }
+    EXPECT_GE(tries, 2) << "it must try again";
+    EXPECT_LE(tries, 7) << "and not all the time";
+    EXPECT_GE(std::count(last.begin(), last.end(), 1u), 1100) << "the next best holds";
+}
+
 TEST(Governor, PredictsFromTheWorkBeforeTheFirstFrame) {
     Governor governor({});
     auto wanted = offers(300'000);

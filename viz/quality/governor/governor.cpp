@@ -13,8 +13,10 @@ constexpr double kLearn = 0.2;  ///< weight of a new measurement of a part
 constexpr double kPace = 0.15;  ///< and of a whole frame
 constexpr double kOdd = 4;      ///< a frame this much slower than expected teaches nothing
 constexpr int kMostPatience = 1920;
+/// A failure counts as another of the same for so many times what it waited.
+constexpr int kRemembered = 12;
 /// What failed is tried again when it costs so much less than it did.
-constexpr double kRelief = 0.25;
+constexpr double kRelief = 0.15;
 /// Beside what failed, nothing is taken that is hardly cheaper.
 constexpr double kBelowFailure = 0.97;
 
@@ -88,7 +90,7 @@ double Governor::failed_cost(const std::vector<std::vector<Level>>& levels) cons
 
 void Governor::note_failure() {
     // A new failure long after the last one is none of the same.
-    const bool one_of_many = frames_since_failure_ < 2 * patience_ + options_.calm_frames;
+    const bool one_of_many = frames_since_failure_ < kRemembered * patience_;
     patience_ =
         std::min(kMostPatience, 2 * std::max(one_of_many ? patience_ : 0, options_.calm_frames));
     failed_ = choice_;
@@ -117,7 +119,8 @@ void Governor::reconsider(const std::vector<std::vector<Level>>& levels, bool at
     const Level now = sum_of(levels, choice_);
     const double wanted_ms = sum_of(levels, wanted).cost_ms;
     if (late_in_a_row_ >= options_.late_frames && wanted_ms < now.cost_ms) {
-        if (up_waited_ > 0 && frames_since_change_ < 2 * up_waited_) note_failure();
+        const int soon = 2 * std::max(up_waited_, options_.calm_frames);
+        if (up_waited_ > 0 && frames_since_change_ < soon) note_failure();
         return change(std::move(wanted), wanted_ms, 0);
     }
     const double most = std::min(budget, kBelowFailure * failed_cost(levels));
