@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "apps/checked_words.h"
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
@@ -142,8 +143,10 @@ Result<Outcome> convert(const ConvertOptions& options) {
     Outcome outcome;
     outcome.kind = options.to.empty() ? kind_of(options.out) : options.to;
     if (outcome.kind.empty()) {
-        return fail("the name does not say what to write", options.out.string(),
-                    "a name ending in .mkv, .oni or .ply, or --to tum|png|ply|k4a|oni|session");
+        return fail(
+            "the name does not say what to write", options.out.string(),
+            "a name ending in .mkv, .oni or .ply, or --to tum|png|ply|k4a|oni|session; motion "
+            "is asked for by --motion FILE");
     }
     std::error_code ignored;
     if (fs::equivalent(options.in, options.out, ignored)) {
@@ -328,7 +331,7 @@ Command add_convert(CLI::App& parent) {
     app.add_option("--person", options->motion.person, "motion: whose; default the longest seen")
         ->type_name("ID");
     app.add_option("--rate", options->motion.rate_hz, "motion: frames a second of BVH, GLB, C3D")
-        ->check(CLI::Range(0.1, 1000.0))
+        ->check([](const std::string& word) { return check_number(word, 0.1, 1000); })
         ->type_name("HZ");
     static const std::map<std::string, BodyMode> kModes = {{"on", BodyMode::on},
                                                            {"recorded", BodyMode::recorded}};
@@ -342,7 +345,7 @@ Command add_convert(CLI::App& parent) {
     app.add_option("--scale", options->scale,
                    "counts a metre of TUM depth; default is the recording's own unit, which loses "
                    "nothing. Tools that read no calibration.json expect 5000")
-        ->check(CLI::Range(1.0, 1e6))
+        ->check([](const std::string& word) { return check_number(word, 1, 1e6); })
         ->type_name("N");
     app.add_flag("--force", options->force, "replace what is there");
     app.add_flag("--json", options->json, "print the outcome as JSON");

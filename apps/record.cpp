@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/calibration_option.h"
+#include "apps/checked_words.h"
 #include "apps/commands.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
@@ -256,7 +257,7 @@ Command add_record(CLI::App& parent) {
         ->required()
         ->type_name("FILE");
     app.add_option("--seconds", options->seconds, "end after so long")
-        ->check(CLI::PositiveNumber)
+        ->check([](const std::string& word) { return check_number(word, 0.001, 1e9); })
         ->type_name("N");
     app.add_option("--frames", options->frames, "end after so many depth frames")
         ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40))

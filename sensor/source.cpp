@@ -28,11 +28,19 @@ std::string scheme_of(const std::string& uri) {
 }
 
 std::string known_kinds() {
-    std::string text;
+    std::vector<std::string> names;
+    for (const SourceOpener& opener : openers()) names.push_back(opener.name);
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string known_schemes() {
+    std::vector<std::string> schemes;
     for (const SourceOpener& opener : openers()) {
-        text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", opener.name, opener.uri_pattern);
+        const std::string scheme = scheme_of(opener.uri_pattern);
+        const bool of_two = scheme.find('+') != std::string::npos;  // "a+b: ..."
+        if (!scheme.empty() && !of_two) schemes.push_back(scheme + ":");
     }
-    return text;
+    return fmt::format("{}", fmt::join(schemes, ", "));
 }
 
 }  // namespace
@@ -73,7 +81,7 @@ Result<std::unique_ptr<Source>> open_source(const std::string& uri) {
         return fail("not a kind of recording that is known", uri, "looked for: " + known_kinds());
     }
     if (const std::string scheme = scheme_of(uri); !scheme.empty()) {
-        return fail(fmt::format("nothing opens \"{}:\"", scheme), uri, "known: " + known_kinds());
+        return fail(fmt::format("nothing opens \"{}:\"", scheme), uri, "known: " + known_schemes());
     }
     return fail("no such file or folder", uri);
 }

@@ -14,6 +14,7 @@
 #include "apps/calibrate/session_check.h"
 #include "apps/calibrate/session_shots.h"
 #include "apps/calibrate/still_scene.h"
+#include "apps/checked_words.h"
 #include "apps/exit_codes.h"
 #include "apps/interrupt.h"
 #include "apps/sources.h"
@@ -284,7 +285,7 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("--frames", o.frames, "guided capture: look at no more frames than these")
         ->check(CLI::PositiveNumber);
     app.add_option("--seconds", o.seconds, "guided capture: end after this time")
-        ->check(CLI::PositiveNumber);
+        ->check([](const std::string& word) { return check_number(word, 0.001, 1e9); });
     app.add_flag("--no-window", o.no_window, "guided capture in lines of text");
     app.add_option("--depth-shift", o.depth_shift,
                    "x y: px from the depth image to the infrared one (Kinect v1: 4.8 3.9)");
@@ -310,6 +311,9 @@ void add_options(CLI::App& app, Options& o) {
     app.add_option("--k4a", o.outputs.k4a, "Azure Kinect JSON (only at that sensor's sizes)");
     app.add_option("--tum", o.outputs.tum, "folder for TUM intrinsics, one file a camera");
     app.add_flag("--json", o.json, "the report as JSON on stdout");
+    app.footer(
+        "Exit status: 0 done, 1 no calibration could be found or a file or device not be used, 2 "
+        "wrong usage.");
 }
 
 }  // namespace

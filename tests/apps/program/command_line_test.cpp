@@ -41,6 +41,10 @@ TEST(CommandLine, WrongUsageEndsWith2AndSaysWhy) {
         {"record", "synthetic:"},
         {"record", "synthetic:", "--out", "a.mkv", "--codec", "mp3"},
         {"record", "synthetic:", "--out", "a.mkv", "--seconds", "-1"},
+        {"record", "synthetic:", "--out", "a.mkv", "--seconds", "nan"},
+        {"record", "synthetic:", "--out", "a.mkv", "--out", "b.mkv"},
+        {"convert", "recordings/desk", "a.mkv", "--scale", "nan"},
+        {"convert", "recordings/desk", "--motion", "a.bvh", "--rate", "nan"},
         {"repair"},
         {"compare", "one.png"},
     };
@@ -62,6 +66,27 @@ TEST(CommandLine, HelpAndVersionEndWell) {
     EXPECT_THAT(run({"--version"}).out, HasSubstr("kinoscope 0."));
 }
 
+TEST(CommandLine, EveryCommandsHelpEndsWithTheExitCodes) {
+    for (const char* command :
+         {"demo", "live", "replay", "record", "convert", "repair", "devices", "compare"}) {
+        EXPECT_THAT(run({command, "--help"}).out, HasSubstr(kExitCodesText)) << command;
+    }
+}
+
+TEST(CommandLine, AMistypedCommandIsToldTheNearest) {
+    const ProgramResult result = run({"repaly", "recordings/desk"});
+    EXPECT_EQ(result.exit_code, kExitUsage);
+    EXPECT_THAT(result.err, HasSubstr("\"repaly\" (did you mean \"replay\"?"));
+    EXPECT_THAT(run({"xylophone"}).err, testing::Not(HasSubstr("did you mean")));
+}
+
+TEST(CommandLine, OutputThatCannotBeWrittenIsAFailure) {
+    const ProgramResult result = run_program(
+        {.arguments = {"devices"}, .wrapper = {"sh", "-c", R"(exec "$0" "$@" > /dev/full)"}});
+    EXPECT_EQ(result.exit_code, kExitFailed);
+    EXPECT_THAT(result.err, HasSubstr("standard output"));
+}
+
 TEST(CommandLine, WhatCannotBeOpenedIsNamed) {
     const TempDir temp;
     const std::string out = temp / "out";
@@ -71,8 +96,10 @@ TEST(CommandLine, WhatCannotBeOpenedIsNamed) {
     const ProgramResult scheme = run({"replay", "teleport:home", "--headless", out});
     EXPECT_EQ(scheme.exit_code, kExitFailed);
     EXPECT_THAT(scheme.err, HasSubstr("teleport"));
+    EXPECT_THAT(scheme.err, HasSubstr("synthetic:"));
     const ProgramResult empty = run({"replay", temp.path(), "--headless", out});
     EXPECT_EQ(empty.exit_code, kExitFailed);
+    EXPECT_THAT(empty.out, testing::IsEmpty()) << "nothing was drawn";
 }
 
 TEST(CommandLine, AFolderThatCannotBeMadeIsNamed) {

@@ -57,6 +57,25 @@ TEST(Record, NothingIsWrittenOver) {
     EXPECT_EQ(test::read_bytes(file), "precious");
 }
 
+TEST(Record, AFolderWithItsSessionOpensByItsName) {
+    const TempDir temp;
+    const std::string folder = temp.write("visit/notes.txt", "a word").parent_path();
+    const auto record = [&](const std::string& name) {
+        return run({"record", "synthetic:", "--out", folder + name, "--frames", "2"}).exit_code;
+    };
+    const auto replay = [&] {
+        return run(
+            {"replay", folder, "--headless", temp / "out", "--frames", "1", "--size", "64x48"});
+    };
+    ASSERT_EQ(record("/first.mkv"), kExitDone);
+    const ProgramResult only = replay();
+    EXPECT_EQ(only.exit_code, kExitDone) << only.err;
+    ASSERT_EQ(record("/second.mkv"), kExitDone);
+    const ProgramResult either = replay();
+    EXPECT_EQ(either.exit_code, kExitFailed);
+    EXPECT_THAT(either.err, HasSubstr("first.mkv, second.mkv"));
+}
+
 TEST(Record, CtrlCEndsTheFileInOrder) {
     const TempDir temp;
     const std::filesystem::path session = temp / "long.mkv";
@@ -101,6 +120,17 @@ TEST(Record, WhatIsNoSessionIsNotRepaired) {
     EXPECT_EQ(result.exit_code, kExitFailed);
     EXPECT_THAT(result.err, HasSubstr("letter.mkv"));
     EXPECT_EQ(test::read_bytes(file), "Dear reader");
+}
+
+TEST(Live, WithoutADisplayARecordingIsNotSilentlyLost) {
+    const TempDir temp;
+    const ProgramResult result = run_program(
+        {.arguments = {"live", "synthetic:", "--record", "visit.mkv", "--frames", "2"},
+         .environment = {"DISPLAY", "WAYLAND_DISPLAY", "XDG_CONFIG_HOME=" + temp.path().string()},
+         .folder = temp.path()});
+    EXPECT_EQ(result.exit_code, kExitFailed);
+    EXPECT_THAT(result.err, HasSubstr("visit.mkv: not recorded"));
+    EXPECT_FALSE(std::filesystem::exists(temp / "out"));
 }
 
 TEST(Live, WithoutASensorItSaysWhatToDo) {
