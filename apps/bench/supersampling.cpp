@@ -199,8 +199,8 @@ void bench_supersampling(BenchContext& context) {
                          .metric = "MSE on edges, of 255^2",
                          .baseline = ways[1].name},
                         comparison);
-            // What the proof speaks of: light that costs something. Below, numbers alone.
-            if (shading_ns < 100 || !ways[i].name.starts_with("edges") ||
+            // What the proof speaks of: light that costs something. Else numbers alone.
+            if (lights < 300 || shading_ns < 100 || !ways[i].name.starts_with("edges") ||
                 ways[i].name.ends_with("%")) {
                 continue;
             }

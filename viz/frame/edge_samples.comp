@@ -44,6 +44,12 @@ vec3 emitted_by(uint object) {
 vec3 divisor(vec3 coded) {
     return kFineGrained != 0u ? max(from_srgb(coded), push.least_albedo) : vec3(1.0);
 }
+// As background.frag has it, in 8 bits.
+vec3 backdrop(int y) {
+    vec3 color = mix(unpackUnorm4x8(push.background.x).rgb, unpackUnorm4x8(push.background.y).rgb,
+                     (float(y) + 0.5) / float(push.lod.fine.y));
+    return round(color * 255.0) / 255.0;
+}
 vec2 slope_of(vec3 n) { return n.xy / max(-n.z, kLeastTowards); }
 
 // Weights of a quadratic B-spline for the three pixels around a place `t` off the middle one.
@@ -85,7 +91,7 @@ void main() {
         uint own_object = sample_object(what);
         vec3 n = sample_normal(what);
         float z = sample_z(what);
-        vec4 seen = sample_albedo(what);
+        vec4 seen = is_backdrop(what) ? vec4(backdrop(here.y), 0.0) : sample_albedo(what);
         FineGuide own = FineGuide(vec2(here), is_there(z) ? z : 1.0, n, slope_of(n));
         vec3 across = spline(kSamplePlaces[s].x);
         vec3 down = spline(kSamplePlaces[s].y);

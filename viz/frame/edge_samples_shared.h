@@ -9,6 +9,7 @@ struct EdgeSampleParams {
     LodParams lod;  // coarse_of_fine: what is weighed is the fine picture itself
     FinalParams final;
     float least_albedo;  // linear; ratios of colours below it are 1
+    uvec2 background;    // top and bottom, packed sRGB
 };
 
 KINO_SHARED_END

@@ -41,7 +41,8 @@ DrawnSurface add_sampled_surface(FrameGraph& graph, const Scene& scene, const Vi
     const SurfaceTargets ground =
         add_ground(graph, scene, view, parts, options.raster, options.read_ids);
     const MeshList list = parts.meshes.prepare(graph, scene, view, {});
-    *samples = add_sample_surface(graph, view, ground, list);
+    const bool live = scene.live && scene.live->surface;
+    *samples = add_sample_surface(graph, view, ground, list, !live);
     return add_meshes(graph, view, parts, list, ground);
 }
 
@@ -58,7 +59,8 @@ TextureId add_edge_samples(FrameGraph& graph, const Scene& scene, const View& vi
         .lod = fine_eq1_params(view, lod),
         .final = {.exposure = scene.exposure,
                   .tone_map = scene.color_mode == ColorMode::captured ? 0u : 1u},
-        .least_albedo = kLeastAlbedo};
+        .least_albedo = kLeastAlbedo,
+        .background = {pack_srgb(scene.background_top), pack_srgb(scene.background_bottom)}};
     const std::vector<std::uint32_t> constants = {
         lod.fine_grained ? 1u : 0u, params.lod.z_weight > 0 ? 1u : 0u,
         static_cast<std::uint32_t>(lod.metric),

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "viz/surface/sample_backdrop.h"
+
 namespace kino {
 namespace {
 
@@ -23,9 +25,13 @@ constexpr std::uint32_t kMeshSamples[] = {
 constexpr VkFormat kTexelFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 static_assert(kMaxMaterials <= 256);  // material and object id are 24 bits
 
-void begin(PassContext& c, const SampleTargets& targets) {
-    const std::array<gpu::Target, 1> colors = {{{.view = c.view(targets.texel)}}};
-    const gpu::Target depth{.view = c.view(targets.depth)};
+/// `clear`: to the background (sample_surface.glsl), nothing before it.
+void begin(PassContext& c, const SampleTargets& targets, bool clear) {
+    const std::array<gpu::Target, 1> colors = {
+        {{.view = c.view(targets.texel),
+          .clear = clear,
+          .clear_value = {.color = {.float32 = {0, 0, 0, -KINO_BACKDROP_COLOR}}}}}};
+    const gpu::Target depth{.view = c.view(targets.depth), .clear = clear};
     const graph::TextureDesc size = c.desc(targets.depth);
     c.commands().begin_rendering({size.width, size.height}, colors, &depth);
 }
@@ -35,18 +41,8 @@ void write(PassBuilder& b, SampleTargets& targets) {
     targets.depth = b.write(targets.depth, Use::depth_attachment);
 }
 
-}  // namespace
-
-SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const SurfaceTargets& ground,
-                                 const MeshList& list) {
-    if (list.count == 0) return {};
-    const auto width = static_cast<std::uint32_t>(view.width);
-    const auto height = static_cast<std::uint32_t>(view.height);
-    const auto make = [&](const char* name, VkFormat format) {
-        return graph.create_texture(name, {width, height, format, kSurfaceSamples});
-    };
-    SampleTargets targets{.texel = make("sample texels", kTexelFormat),
-                          .depth = make("sample depth", kDepthFormat)};
+void add_seed(FrameGraph& graph, const SurfaceTargets& ground, const MeshList& list,
+              SampleTargets& targets) {
     graph.add_pass(
         "samples/seed", "meshes",
         [&](PassBuilder& b) {
@@ -55,7 +51,7 @@ SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const Surf
             }
             write(b, targets);
         },
-        [ground, targets, near_m = list.view.near_m](PassContext& c) {
+        [ground, targets = targets, near_m = list.view.near_m](PassContext& c) {
             gpu::PipelineDesc desc;
             desc.name = "samples/seed";
             desc.vertex = kSampleSeedVertex;
@@ -66,7 +62,7 @@ SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const Surf
             desc.depth_format = kDepthFormat;
             desc.depth_test = gpu::DepthTest::any_writes;
             desc.samples = kSurfaceSamples;
-            begin(c, targets);
+            begin(c, targets, false);
             if (c.bind(desc,
                        {c.bound(ground.albedo), c.bound(ground.view_z), c.bound(ground.normal)})) {
                 c.commands().constants(shared::MeshView{.near_m = near_m});
@@ -74,19 +70,34 @@ SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const Surf
             }
             c.commands().end_rendering();
         });
+}
+
+}  // namespace
+
+SampleTargets add_sample_surface(FrameGraph& graph, const View& view, const SurfaceTargets& ground,
+                                 const MeshList& list, bool background_only) {
+    if (list.count == 0) return {};
+    const auto width = static_cast<std::uint32_t>(view.width);
+    const auto height = static_cast<std::uint32_t>(view.height);
+    const auto make = [&](const char* name, VkFormat format) {
+        return graph.create_texture(name, {width, height, format, kSurfaceSamples});
+    };
+    SampleTargets targets{.texel = make("sample texels", kTexelFormat),
+                          .depth = make("sample depth", kDepthFormat)};
+    if (!background_only) add_seed(graph, ground, list, targets);
     graph.add_pass(
         "samples/meshes", "meshes",
         [&](PassBuilder& b) {
             MeshDrawer::declare(b, list);
             write(b, targets);
         },
-        [list, targets](PassContext& c) {
+        [list, targets, background_only](PassContext& c) {
             MeshShader shader;
             shader.name = "samples/meshes";
             shader.fragment = kMeshSamples;
             shader.color_formats = {kTexelFormat};
             shader.samples = kSurfaceSamples;
-            begin(c, targets);
+            begin(c, targets, background_only);
             (void)MeshDrawer::record(c, list, shader);  // a failure fails the frame
             c.commands().end_rendering();
         });

@@ -19,9 +19,11 @@ struct SampleTargets {
     [[nodiscard]] bool valid() const { return texel.valid(); }
 };
 
-/// Two passes: `ground` (live frame or background: albedo, view_z and normal) into every sample,
-/// and the meshes of the list over it. Nothing is made for an empty list.
+/// `ground` (live frame or background: albedo, view_z and normal) into every sample, and the meshes
+/// of the list over it: two passes, or one that starts from is_backdrop() where the ground is
+/// nothing but background. Nothing is made for an empty list.
 [[nodiscard]] SampleTargets add_sample_surface(graph::FrameGraph& graph, const View& view,
-                                               const SurfaceTargets& ground, const MeshList& list);
+                                               const SurfaceTargets& ground, const MeshList& list,
+                                               bool background_only);
 
 }  // namespace kino

@@ -193,5 +193,24 @@ TEST_F(SupersamplingTest, EveryKindHasSmoothEdges) {
     EXPECT_LT(changed, kWide * kHigh / 20);
 }
 
+// A gradient behind a mesh: not stored for every sample, made again where an edge shows it.
+TEST_F(SupersamplingTest, EdgesAgainstTheSky) {
+    const View view = solid_view(96, 72);
+    Scene scene = flat(solid_scene(0));
+    scene.meshes.erase(scene.meshes.begin());
+    scene.background_top = {0.1f, 0.3f, 0.9f};
+    scene.background_bottom = {0.9f, 0.8f, 0.2f};
+    const auto wanted = mean_coded(sample_pictures(scene, view));
+    const Image<Rgba8> got = draw(scene, view, edges_at(1)).picture;
+    const Image<Rgba8> one = draw(scene, view, {}).picture;
+    int off = 0, changed = 0;
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        off += largest(numbers(got.pixels()[i]) - wanted[i]) > 3;
+        changed += largest(numbers(got.pixels()[i]) - numbers(one.pixels()[i])) > 8;
+    }
+    EXPECT_GT(changed, 150);
+    EXPECT_LE(off, 6);
+}
+
 }  // namespace
 }  // namespace kino::test
