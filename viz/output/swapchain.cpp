@@ -4,13 +4,10 @@
 #include <array>
 
 #include "base/check.h"
+#include "viz/gpu/commands.h"
 
 namespace kino {
 namespace {
-
-VkImageSubresourceRange whole_color() {
-    return {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1};
-}
 
 /// An 8-bit format without sRGB coding: what is drawn is coded already.
 Result<VkSurfaceFormatKHR> choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface) {
@@ -118,11 +115,13 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
     KINO_VK_TRY(vkGetSwapchainImagesKHR(device_.handle(), chain_, &count, images_.data()),
                 "listing swapchain images");
     for (VkImage image : images_) {
-        const VkImageViewCreateInfo view{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                         .image = image,
-                                         .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                         .format = format_,
-                                         .subresourceRange = whole_color()};
+        const VkImageViewCreateInfo view{
+            .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+            .image = image,
+            .viewType = VK_IMAGE_VIEW_TYPE_2D,
+            .format = format_,
+            .subresourceRange = {
+                .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1}};
         VkImageView made = VK_NULL_HANDLE;
         KINO_VK_TRY(vkCreateImageView(device_.handle(), &view, nullptr, &made),
                     "creating a swapchain view");
@@ -130,28 +129,6 @@ Result<bool> Swapchain::make(VkExtent2D wanted) {
     }
     stale_ = false;
     return true;
-}
-
-Result<void> Swapchain::change_layout(VkImage image, VkImageLayout from, VkImageLayout to) {
-    const VkImageMemoryBarrier2 barrier{
-        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
-        .oldLayout = from,
-        .newLayout = to,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = image,
-        .subresourceRange = whole_color()};
-    const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                      .imageMemoryBarrierCount = 1,
-                                      .pImageMemoryBarriers = &barrier};
-    auto done = device_.submit_and_wait(
-        [&](VkCommandBuffer commands) { vkCmdPipelineBarrier2(commands, &dependency); });
-    if (!done) return fail(std::move(done).error());
-    return {};
 }
 
 Result<std::optional<PictureTarget>> Swapchain::acquire(VkExtent2D wanted) {
@@ -173,14 +150,17 @@ Result<std::optional<PictureTarget>> Swapchain::acquire(VkExtent2D wanted) {
     KINO_VK_TRY(vkWaitForFences(device_.handle(), 1, &acquired_, VK_TRUE, UINT64_MAX),
                 "waiting for a swapchain image");
     KINO_VK_TRY(vkResetFences(device_.handle(), 1, &acquired_), "resetting a fence");
-    KINO_TRY(change_layout(images_[current_], VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL));
+    KINO_TRY(device_.submit_and_wait([&](VkCommandBuffer commands) {
+        gpu::Commands(device_, commands).to_general(images_[current_]);
+    }));
     return PictureTarget{
         .image = images_[current_], .view = views_[current_], .extent = extent_, .format = format_};
 }
 
 Result<void> Swapchain::present() {
-    KINO_TRY(
-        change_layout(images_[current_], VK_IMAGE_LAYOUT_GENERAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR));
+    KINO_TRY(device_.submit_and_wait([&](VkCommandBuffer commands) {
+        gpu::Commands(device_, commands).to_present(images_[current_]);
+    }));
     const VkPresentInfoKHR info{.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
                                 .swapchainCount = 1,
                                 .pSwapchains = &chain_,

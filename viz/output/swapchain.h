@@ -42,7 +42,6 @@ class Swapchain {
   private:
     Result<bool> make(VkExtent2D wanted);  ///< false: no area
     void destroy_images();
-    Result<void> change_layout(VkImage image, VkImageLayout from, VkImageLayout to);
 
     gpu::Device& device_;
     VkSurfaceKHR surface_;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/check.h"
+#include "viz/gpu/commands.h"
 #include "viz/graph/executor.h"
 #include "viz/output/ui/ui_shared.h"
 
@@ -61,27 +62,6 @@ VkRect2D clip(const ImVec4& rect, const ImDrawData& data, VkExtent2D extent) {
              static_cast<std::uint32_t>(std::max(0, bottom - top))}};
 }
 
-Result<void> make_general(gpu::Device& device, VkImage image) {
-    const VkImageMemoryBarrier2 barrier{
-        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
-        .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-        .newLayout = VK_IMAGE_LAYOUT_GENERAL,
-        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-        .image = image,
-        .subresourceRange = {
-            .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1}};
-    const VkDependencyInfo dependency{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                      .imageMemoryBarrierCount = 1,
-                                      .pImageMemoryBarriers = &barrier};
-    auto done = device.submit_and_wait(
-        [&](VkCommandBuffer commands) { vkCmdPipelineBarrier2(commands, &dependency); });
-    if (!done) return fail(std::move(done).error());
-    return {};
-}
-
 }  // namespace
 
 void UiPicture::set(ImageView<const Rgba8> pixels) {
@@ -116,7 +96,9 @@ Result<std::unique_ptr<UiPicture>> UiRenderer::make_picture(int width, int heigh
         picture->staging_,
         gpu::Buffer::create(device_, "ui staging", std::uint64_t{4} * extent.width * extent.height,
                             gpu::MemoryUse::upload));
-    KINO_TRY(make_general(device_, picture->texture_.image()));
+    KINO_TRY(device_.submit_and_wait([&](VkCommandBuffer commands) {
+        gpu::Commands(device_, commands).to_general(picture->texture_.image());
+    }));
     return picture;
 }
 
