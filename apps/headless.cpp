@@ -71,7 +71,9 @@ class HeadlessRun {
         : options_(options),
           renderer_(device),
           summary_(summary),
-          budget_(options.budget()),
+          quality_(options.quality(nullptr)),
+          budget_(quality_.budget),
+          chooser_({}),
           video_(options.headless) {}
 
     /// Fails where the scene of the options cannot be had.
@@ -87,7 +89,9 @@ class HeadlessRun {
     SceneBuilder builder_;
     CameraControl camera_;
     std::optional<WindowCamera> window_;  ///< of scenes whose screen is one
+    PictureQuality quality_;
     FrameBudget budget_;
+    ZoomChooser chooser_;  ///< by the head's recorded motion; others depend on the clock
     double last_time_s_ = 0;
     RunVideo video_;
     LightLearning learning_;
@@ -123,7 +127,7 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     }
     FrameOptions frame_options;
     frame_options.raster = options_.raster;
-    frame_options.samples = static_cast<std::uint32_t>(options_.samples.value_or(1));
+    frame_options.samples = static_cast<std::uint32_t>(quality_.samples);
     frame_options.part_rates = options_.part_rates;
     frame_options.regions = options_.regions;
     frame_options.read_picture = true;
@@ -132,6 +136,11 @@ Result<FrameResult> HeadlessRun::draw(const ProcessedFrame& frame, const Stepper
     const Scene& scene = builder_.scene(draw);
     if (director != nullptr) source.stage = {director->local_lights(), scene.meshes.size()};
     if (learns_now_) KINO_TRY(learning_.add(renderer_, scene, view, frame_options));
+    if (chooser_.on()) {
+        const TimeNs now = from_seconds(time_s);
+        const auto head_m_s = window_ ? std::optional(window_->head_m_s(now)) : std::nullopt;
+        budget_.set_zoom(chooser_.begin_frame(scene, view, now, head_m_s, frame_options));
+    }
     budget_.begin_frame(scene, view, frame_options);
     if (source.true_error && source.frames % kTrueErrorEvery == 0) {
         KINO_ASSIGN(const TrueError error,
@@ -145,6 +154,11 @@ Result<void> HeadlessRun::set_stage() {
     if (options_.scene.empty()) return {};
     KINO_ASSIGN(StageSet stage, open_stage(options_.scene));
     if (stage.file.camera.window && !options_.view) window_.emplace(*stage.file.camera.window);
+    quality_ = options_.quality(&stage.file);
+    // A window's `most_zoom` is for those who stand before it.
+    const bool asks_head =
+        options_.zoom_by == SceneZoomBy::head || stage.file.quality.zoom_by == SceneZoomBy::head;
+    if (!asks_head && quality_.zoom.by == SceneZoomBy::head) quality_.zoom = {};
     builder_.put_on_stage(std::make_unique<Director>(std::move(stage)));
     return {};
 }
@@ -167,8 +181,11 @@ Result<void> HeadlessRun::play(const std::string& uri, const fs::path& folder) {
     source.pictures_hash = kHashStart;
     if (options_.true_error) source.true_error.emplace();
     // Each source is a run of its own. Levels must not depend on the clock.
-    budget_ = FrameBudget(options_.budget());
-    if (options_.lod_auto) budget_.set_mode(GovernorMode::off);
+    budget_ = FrameBudget(quality_.budget);
+    if (quality_.budget.mode == GovernorMode::automatic) budget_.set_mode(GovernorMode::off);
+    const bool by_head = quality_.zoom.by == SceneZoomBy::head;
+    chooser_.set(by_head ? quality_.zoom : ZoomChooserOptions{});
+    source.zoom_by = chooser_.options().by;
     if (!options_.lod_log.empty()) {
         KINO_ASSIGN(auto log, read_budget_log(options_.lod_log));
         budget_.replay(std::move(log));

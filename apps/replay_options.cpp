@@ -74,14 +74,12 @@ PictureQuality ReplayOptions::quality(const SceneFile* stage) const {
     const SceneQuality wanted = stage != nullptr ? stage->quality : SceneQuality{};
     const bool asks_lod = lod.has_value() || lod_auto || !lod_log.empty();
     const bool chooses_zoom = zoom_by != SceneZoomBy::fixed;
-    const bool many = samples.value_or(1) > 1;
 
     PictureQuality quality{.samples = samples.value_or(wanted.samples)};
     FrameBudgetOptions& budget = quality.budget;
     budget.target_ms = target_ms.value_or(wanted.target_ms);
     budget.fix_share = fix_share.value_or(wanted.fix);
-    const bool scenes_budget =
-        !asks_lod && !chooses_zoom && !many && wanted.lod_by == SceneLodBy::budget;
+    const bool scenes_budget = !asks_lod && !chooses_zoom && wanted.lod_by == SceneLodBy::budget;
     if (lod_auto || scenes_budget) {
         budget.mode = GovernorMode::automatic;
         if (zoom) {
@@ -91,7 +89,7 @@ PictureQuality ReplayOptions::quality(const SceneFile* stage) const {
         }
         return quality;
     }
-    budget.lod = asks_lod || many ? lod.value_or(1) : wanted.lod;
+    budget.lod = asks_lod ? lod.value_or(1) : wanted.lod;
     budget.zoom = zoom.value_or(chooses_zoom ? 1 : wanted.zoom);
 
     quality.zoom.target_ms = budget.target_ms;

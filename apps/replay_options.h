@@ -64,7 +64,6 @@ struct ReplayOptions {
     /// What was asked for; else what the scene asks for, if there is one; else in full. Whoever was
     /// asked for here to choose does, and then nobody of the scene's.
     [[nodiscard]] PictureQuality quality(const SceneFile* stage) const;
-    [[nodiscard]] FrameBudgetOptions budget() const { return quality(nullptr).budget; }
     /// Empty, or what cannot be had together.
     [[nodiscard]] std::string contradiction() const;
     std::filesystem::path record;  ///< live: a session that is written from the start

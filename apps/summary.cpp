@@ -68,6 +68,7 @@ Json deterministic_json(const SourceSummary& s) {
             {"pictures_fnv1a", fmt::format("{:016x}", s.pictures_hash)},
             {"stage",
              s.stage ? Json{{"lights", s.stage->lights}, {"meshes", s.stage->meshes}} : Json()},
+            {"zoom_by", zoom_by_name(s.zoom_by)},
             {"levels", budget_log_json(s.levels)},
             {"true_error", s.true_error ? true_error_json(*s.true_error) : Json()},
             {"passes", s.passes},

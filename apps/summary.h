@@ -64,6 +64,7 @@ struct SourceSummary {
     std::string first_error;
     BodySummary bodies;
     std::optional<StageSummary> stage;  ///< empty: none was asked for
+    SceneZoomBy zoom_by = SceneZoomBy::fixed;  ///< who chose the zoom of `levels`
     std::vector<FrameBudget::Logged> levels;
     std::optional<TrueErrorSummary> true_error;  ///< empty: nobody asked
     // Different every time; `arrive` is from the sensor to here, of devices only:

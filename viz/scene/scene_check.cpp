@@ -124,17 +124,13 @@ class SceneChecker {
         return {};
     }
 
-    /// A frame's time has one owner, and four samples have no coarse light.
+    /// A frame's time has one owner.
     Result<void> quality(const SceneQuality& quality) {
         const bool budget = quality.lod_by == SceneLodBy::budget;
         if (budget && quality.zoom_by != SceneZoomBy::fixed) {
             return wrong("/quality/zoom", "must be a number where lod is auto: that chooses both");
         }
-        const bool coarse = budget || quality.lod > 1;
-        if (coarse && quality.samples > 1) {
-            return wrong("/quality/samples", "must be 1 where light is coarse");
-        }
-        if (!coarse && quality.fix > 0) {
+        if (!budget && !(quality.lod > 1) && quality.fix > 0) {
             return wrong("/quality/fix", "must be 0 unless light is coarse");
         }
         return {};

@@ -245,7 +245,7 @@ void visit(V& v, SceneQuality& s) {
                  "whole pictures so many times coarser, or who chooses that");
     v.integer("most_zoom", s.most_zoom, 1, 8, "of who chooses");
     v.number("target_ms", s.target_ms, 1, 1000, "time of a picture that who chooses is to hold");
-    v.one_of("samples", s.samples, kSamples, "a pixel of meshes; not with coarse light");
+    v.one_of("samples", s.samples, kSamples, "a pixel of meshes");
     v.number("fix", s.fix, 0, 0.5, "share of pixels shaded anew where light is coarse");
 }
 

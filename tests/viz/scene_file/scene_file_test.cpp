@@ -193,8 +193,6 @@ TEST(SceneFileTest, MistakesNameTheirJsonPointerAndWhatIsAllowed) {
         {R"("quality": {"target_ms": 0})", "#/quality/target_ms", "from 1 to 1000"},
         {R"("quality": {"lod": 2, "fix": 0.51})", "#/quality/fix", "from 0 to 0.5"},
         {R"("quality": {"fix": 0.1})", "#/quality/fix", "unless light is coarse"},
-        {R"("quality": {"lod": 2, "samples": 4})", "#/quality/samples", "light is coarse"},
-        {R"("quality": {"lod": "auto", "samples": 4})", "#/quality/samples", "light is coarse"},
         {R"("quality": {"lod": "auto", "zoom": "head"})", "#/quality/zoom", "chooses both"},
         {R"("quality": {"tier": 2})", "#/quality/tier", "known: lod, zoom"},
         {R"("name": "a", "name": "b")", "", "twice"},
