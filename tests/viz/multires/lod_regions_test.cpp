@@ -62,7 +62,7 @@ Image<T> image_of(const gpu::Buffer& buffer, int width, int height) {
 }
 
 OneLevel one_level(gpu::Device& device, const RegionLodOptions& regions, double r) {
-    StageRig rig(device);
+    StageRig& rig = shared_rig(device);
     Scene scene = parts_scene();
     // Wires of about a pixel, which no coarse texel or every fourth one sees.
     for (int i = 0; i < 5; ++i) {
@@ -237,7 +237,7 @@ TEST_F(VizTest, TilesAreChosenAsTheReferenceDoes) {
 
 // A limit of 0 is shading everything at r0: the same bits, by other shaders.
 TEST_F(VizTest, NoLimitIsTheFinestLevelEverywhere) {
-    StageRig rig(device());
+    StageRig& rig = shared_rig(device());
     const Scene scene = parts_scene();
     for (const double r : {1.0, 2.0}) {
         const View view = parts_view(192, 144);
@@ -254,7 +254,7 @@ TEST_F(VizTest, NoLimitIsTheFinestLevelEverywhere) {
 
 // And an infinite one shades the coarsest level alone, brought up step by step.
 TEST_F(VizTest, AnInfiniteLimitIsTheCoarsestLevel) {
-    StageRig rig(device());
+    StageRig& rig = shared_rig(device());
     const Scene scene = parts_scene();
     const View view = parts_view(256, 192);
     StageOptions options = region_options();
@@ -292,7 +292,7 @@ TEST_F(VizTest, AnInfiniteLimitIsTheCoarsestLevel) {
 
 // Less limit, less error; tiles that were shaded at full rate are those of the full picture.
 TEST_F(VizTest, TheLimitTradesErrorForWork) {
-    StageRig rig(device());
+    StageRig& rig = shared_rig(device());
     const Scene scene = parts_scene();
     const View view = parts_view(256, 192);
     StageOptions options = region_options();
@@ -315,6 +315,46 @@ TEST_F(VizTest, TheLimitTradesErrorForWork) {
     }
     EXPECT_LT(before, 1e-3);
     EXPECT_GT(same_before, full.linear.size() / 500);
+}
+
+// What stayed coarse at one level is not looked at in the next.
+TEST_F(VizTest, TilesLieInTilesOfTheLevelBefore) {
+    StageRig& rig = shared_rig(device());
+    const Scene scene = parts_scene();
+    const View view = parts_view(512, 384);
+    const RegionLodOptions regions{.limit = 0.04f};
+    std::vector<LodRegionList> lists;
+    std::vector<gpu::Buffer> read;
+    for (int i = 0; i < 2; ++i) read.push_back(host_buffer(device(), 4096));
+    (void)rig.draw(scene, view, [&](graph::FrameGraph& graph, const StageParts& parts) {
+        const StageOptions options = region_options();
+        const SurfaceTargets surface =
+            add_surface(graph, scene, view, parts, options.raster, false).surface;
+        const LightLists lights =
+            add_light_lists(graph, scene, view, surface.view_z, options.lists);
+        const graph::TextureId light = add_region_light(
+            graph, {scene, {}, parts.bvh.add(graph), options}, lights,
+            {.surface = surface, .view = view, .guide = {}}, regions, {.r = 1}, true, &lists);
+        for (std::size_t i = 0; i < lists.size(); ++i) {
+            read_back(graph, lists[i].texels, read[i], lists[i].tiles.x * lists[i].tiles.y * 4);
+        }
+        return light;
+    });
+    ASSERT_EQ(lists.size(), 2u);
+    EXPECT_EQ(lists[0].tiles, lists[1].tiles);
+    EXPECT_EQ(lists[0].side, 32u);
+    EXPECT_EQ(lists[1].side, 64u);
+    const auto before = read[0].read<std::uint32_t>();
+    const auto after = read[1].read<std::uint32_t>();
+    int finest = 0;
+    int stopped = 0;
+    for (std::size_t tile = 0; tile < lists[0].tiles.x * lists[0].tiles.y; ++tile) {
+        finest += after[tile] != 0;
+        stopped += before[tile] == 0;
+        EXPECT_TRUE(after[tile] == 0 || before[tile] != 0) << tile;
+    }
+    EXPECT_GT(finest, 2);
+    EXPECT_GT(stopped, 2);
 }
 
 TEST_F(VizTest, RegionsThatNobodyAskedForCostNothing) {

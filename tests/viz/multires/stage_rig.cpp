@@ -115,6 +115,11 @@ RigDrawn StageRig::draw(const Scene& scene, const View& view, const Make& make) 
     return drawn;
 }
 
+StageRig& shared_rig(gpu::Device& device) {
+    static StageRig rig(device);
+    return rig;
+}
+
 LightError light_error(const Image<glm::vec4>& light, const Image<glm::vec4>& truth) {
     LightError error;
     std::size_t count = 0;

@@ -44,6 +44,9 @@ class StageRig {
     gpu::Buffer readback_;
 };
 
+/// One for the whole program: making pipelines takes longer than most tests.
+[[nodiscard]] StageRig& shared_rig(gpu::Device& device);
+
 /// Mean of squared differences and the largest one, over red, green and blue of display light
 /// (clamped to [0, 1], square root), where `truth` shows something.
 struct LightError {
