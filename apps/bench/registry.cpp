@@ -44,6 +44,10 @@ constexpr Entry kEntries[] = {
     {"framebuffer-lod", "geometry-aware resizing against shading every pixel and bilinear resizing",
      &bench_framebuffer_lod},
 #endif
+#ifdef KINO_BENCH_MULTIRESOLUTION
+    {"multiresolution", "parts of the light at rates of their own, and tiles, against one rate",
+     &bench_multiresolution},
+#endif
 #ifdef KINO_BENCH_REGISTRATION
     {"registration", "depth to colour against the double reference and OpenCV",
      &bench_registration},

@@ -26,6 +26,7 @@ void bench_forest(BenchContext& context);
 void bench_bodies(BenchContext& context);
 void bench_zoom(BenchContext& context);
 void bench_governor(BenchContext& context);
+void bench_multiresolution(BenchContext& context);
 
 namespace bench {
 
