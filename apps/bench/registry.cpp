@@ -44,6 +44,10 @@ constexpr Entry kEntries[] = {
     {"framebuffer-lod", "geometry-aware resizing against shading every pixel and bilinear resizing",
      &bench_framebuffer_lod},
 #endif
+#ifdef KINO_BENCH_LOD_KNOBS
+    {"lod-knobs", "guides, kernels and tolerances of geometry-aware resizing, turned one by one",
+     &bench_lod_knobs},
+#endif
 #ifdef KINO_BENCH_MULTIRESOLUTION
     {"multiresolution", "parts of the light at rates of their own, and tiles, against one rate",
      &bench_multiresolution},

@@ -20,6 +20,7 @@ void bench_one_bounce(BenchContext& context);
 void bench_supersampling(BenchContext& context);
 void bench_vertex_pulling(BenchContext& context);
 void bench_framebuffer_lod(BenchContext& context);
+void bench_lod_knobs(BenchContext& context);
 void bench_registration(BenchContext& context);
 void bench_calibration(BenchContext& context);
 void bench_forest(BenchContext& context);

@@ -42,6 +42,7 @@ constexpr std::array kTypical = {
     TypicalTime{"governor", 116, 20},
     TypicalTime{"joint-filters", 1, 1},
     TypicalTime{"lbvh", 140, 13},
+    TypicalTime{"lod-knobs", 40, 4},
     TypicalTime{"one-bounce", 14, 3},
     TypicalTime{"raster", 33, 5},
     TypicalTime{"registration", 34, 3},
