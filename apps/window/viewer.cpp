@@ -390,13 +390,14 @@ Result<void> Viewer::run(const std::string& note) {
         std::optional<ProcessedFrame> fresh = playing_->take();
         if (fresh) show_frame(*fresh);
         hear_source();
-        if (now >= next_picture || fresh) {
+        if (now >= next_picture || (fresh && !is_paced())) {
             KINO_TRY(draw(input, now));
             // Between two sensor frames only pictures that are cheap: a dear one would delay the
             // next frame's own.
             const TimeNs spent = now_ns() - now;
             next_picture =
                 now + (window_.minimised() ? kIdleTime : std::max(kPictureTime, 2 * spent));
+            if (is_paced() && !window_.minimised()) next_picture = next_turn();
         }
         open_next_when_over();
     }

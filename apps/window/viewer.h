@@ -8,6 +8,7 @@
 #include "apps/pipeline/controls_desk.h"
 #include "apps/pipeline/time_series.h"
 #include "apps/replay_options.h"
+#include "apps/viewer/frame_pacer.h"
 #include "apps/viewer/keys.h"
 #include "apps/viewer/latency.h"
 #include "apps/viewer/measure.h"
@@ -64,6 +65,11 @@ class Viewer {
     [[nodiscard]] FrameOptions picture_options(const WindowInput& input, ImDrawData& lists);
     [[nodiscard]] bool looks_through_window() const;
     Result<void> render(const PictureTarget& target, FrameOptions& options);
+    /// Pictures are shown at the target's rate rather than with the sensor's frames.
+    [[nodiscard]] bool is_paced() const;
+    [[nodiscard]] TimeNs next_turn();
+    /// Until the picture's turn; returns how long.
+    TimeNs wait_for_turn();
     void draw_panels(const WindowInput& input);
     [[nodiscard]] OverlayText overlay_text();
     void start_recording(const std::filesystem::path& file);
@@ -111,6 +117,7 @@ class Viewer {
     FrameBudget budget_;
     ZoomChooser chooser_;
     int samples_ = 1;
+    FramePacer pacer_{kNsPerSecond / 30};
     AccuracyStrip accuracy_;
     bool scene_cut_ = true;  ///< the next picture's time says nothing
     glm::ivec2 last_size_{0};

@@ -1,11 +1,19 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "apps/window/viewer.h"
 
 namespace kino {
+namespace {
+
+/// Acquiring the picture, the user interface, handing it over.
+constexpr double kBesideDrawingMs = 2;
+
+}  // namespace
 
 void smooth_rate(double& rate, TimeNs since_last) {
     if (since_last <= 0) return;
@@ -94,6 +102,28 @@ Result<void> Viewer::render(const PictureTarget& target, FrameOptions& options) 
     return {};
 }
 
+bool Viewer::is_paced() const {
+    const bool holds_rate = budget_.mode() == GovernorMode::automatic || options_.target_ms;
+    return holds_rate && !playing_->is_stepped();
+}
+
+/// When to begin the next picture: as late as it can be, so that it shows what is newest.
+TimeNs Viewer::next_turn() {
+    pacer_.set_period(static_cast<TimeNs>(budget_.target_ms() * static_cast<double>(kNsPerMs)));
+    const double expected_ms = budget_.expected_ms() + kBesideDrawingMs;
+    return pacer_.begin_at(now_ns(),
+                           static_cast<TimeNs>(expected_ms * static_cast<double>(kNsPerMs)));
+}
+
+TimeNs Viewer::wait_for_turn() {
+    if (!is_paced()) return 0;
+    const TimeNs ready = now_ns();
+    std::this_thread::sleep_for(std::chrono::nanoseconds(pacer_.show_at(ready) - ready));
+    const TimeNs shown = now_ns();
+    pacer_.shown(shown);
+    return shown - ready;
+}
+
 Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     const TimeNs began = now_ns();
     KINO_ASSIGN(const std::optional<PictureTarget> target, window_.begin_picture());
@@ -130,13 +160,14 @@ Result<void> Viewer::draw(const WindowInput& input, TimeNs now) {
     const double passed_s = shown_s - std::exchange(stage_time_s_, shown_s);
     builder_.advance(status.paused ? 0 : passed_s);
     KINO_TRY(render(*target, options));
+    const TimeNs paused = wait_for_turn();
     const TimeNs drawn = now_ns();
     KINO_TRY(window_.present());
     waits_.add(waited + now_ns() - drawn);
     ++pictures_;
     if (frame_) {
         const TimeNs presented = now_ns();
-        picture_times_.add(presented - began);
+        picture_times_.add(presented - began - paused);
         if (std::exchange(frame_is_fresh_, false)) {
             latency_ = latency_of(*frame_, playing_->is_device(), began, presented);
             latencies_.add(latency_);
