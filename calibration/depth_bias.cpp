@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kFarthestBiased_m = 100;
+constexpr double kFarthestBiasedM = 100;
 constexpr std::int64_t kMostCells = 256;  // a side
 constexpr std::size_t kMaxBiasBytes = std::size_t{4} << 20;
 
@@ -55,7 +55,7 @@ void DepthBias::correct(Image<float>& depth_m) const {
             float& z = depth_m.at(x, y);
             if (!(z > 0)) continue;
             const double corrected = 1 / (1 / static_cast<double>(z) - at(x, y));
-            z = corrected > 0 && corrected < kFarthestBiased_m ? static_cast<float>(corrected) : 0;
+            z = corrected > 0 && corrected < kFarthestBiasedM ? static_cast<float>(corrected) : 0;
         }
     }
 }
@@ -77,7 +77,7 @@ void BiasTable::correct(Image<float>& depth_m) const {
     float* z = depth_m.data();
     const float* bias = per_m_.data();
     const std::size_t count = depth_m.size();
-    constexpr auto kFar = static_cast<float>(kFarthestBiased_m);
+    constexpr auto kFar = static_cast<float>(kFarthestBiasedM);
     for (std::size_t i = 0; i < count; ++i) {
         const float corrected = z[i] / (1 - z[i] * bias[i]);
         // Comparisons with NaN are false, so that stays no reading.

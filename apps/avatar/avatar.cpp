@@ -88,7 +88,7 @@ std::vector<Seen> AvatarTroupe::State::look(const AvatarMoment& moment) const {
         const std::optional<glm::dvec3> middle = middle_of(seen.aim);
         if (!middle || !(glm::dot(*middle, *middle) < 1e16)) continue;
         seen.middle_m = *middle;
-        people.push_back(std::move(seen));
+        people.push_back(seen);
     }
     return people;
 }

@@ -23,7 +23,8 @@ struct Board {
 
     [[nodiscard]] int corner_count() const { return columns * rows; }
     [[nodiscard]] glm::dvec2 corner_m(int id) const {
-        return {id % columns * square_m, id / columns * square_m};
+        const int row = id / columns;
+        return {(id - row * columns) * square_m, row * square_m};
     }
     /// A chessboard with two odd or two even numbers of corners looks the same upside down, so two
     /// cameras may disagree about its first corner.

@@ -46,7 +46,7 @@ class GuideCoverage {
     [[nodiscard]] bool is_wanted(const Stand& stand) const;
 
     [[nodiscard]] int views(int column, int row) const {
-        return fields_[static_cast<std::size_t>(row * kColumns + column)];
+        return fields_[static_cast<std::size_t>(row) * kColumns + static_cast<std::size_t>(column)];
     }
     [[nodiscard]] int views(Side side) const { return tilts_[side]; }
     [[nodiscard]] int views(Distance distance) const { return distances_[distance]; }

@@ -13,7 +13,7 @@ namespace {
 constexpr int kTile = 32;
 constexpr double kFilled = 0.9;
 constexpr double kSteps = 4;
-constexpr double kBand_m = 0.25;
+constexpr double kBandM = 0.25;
 constexpr int kLeastParts = 5;
 
 }  // namespace
@@ -67,7 +67,7 @@ std::vector<FlatPart> flat_parts(const Image<float>& depth_m, const Image<RayXy>
 std::vector<PlaneBand> by_distance(const std::vector<FlatPart>& parts) {
     std::map<int, PlaneBand> bands;
     for (const FlatPart& part : parts) {
-        PlaneBand& band = bands[static_cast<int>(part.distance_m / kBand_m)];
+        PlaneBand& band = bands[static_cast<int>(part.distance_m / kBandM)];
         ++band.planes;
         band.distance_m += part.distance_m;
         band.rms_mm += part.rms_mm * part.rms_mm;

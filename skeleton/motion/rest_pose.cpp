@@ -5,7 +5,7 @@ namespace kino::motion_export {
 const std::array<RestNode, kNodeCount>& rest_nodes() {
     constexpr double kCos30 = 0.86602540378443865;  // hips leave the pelvis 30 degrees downwards
     const glm::dvec3 up(0, 1, 0), down(0, -1, 0), left(1, 0, 0), right(-1, 0, 0), ahead(0, 0, 1);
-    static const std::array<RestNode, kNodeCount> nodes = {{
+    static const std::array<RestNode, kNodeCount> kNodes = {{
         {"hip_center", -1, glm::dvec3(0)},
         {"spine", 0, up},
         {"shoulder_center", 1, up},
@@ -32,7 +32,7 @@ const std::array<RestNode, kNodeCount>& rest_nodes() {
         {"clavicle_left", 2, glm::dvec3(0)},
         {"clavicle_right", 2, glm::dvec3(0)},
     }};
-    return nodes;
+    return kNodes;
 }
 
 const std::array<int, kNodeCount>& tree_order() {
