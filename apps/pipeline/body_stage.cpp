@@ -1,9 +1,8 @@
 #include "apps/pipeline/body_stage.h"
 
-#include <fstream>
-#include <iterator>
 #include <utility>
 
+#include "sensor/file_bytes.h"
 #include "skeleton/forest/default_forest.h"
 #include "skeleton/forest/forest_file.h"
 
@@ -13,12 +12,11 @@ namespace {
 /// More frames at once than this are a jump.
 constexpr std::int64_t kSkip = 30;
 constexpr std::size_t kMostKnown = 4000;
+constexpr std::size_t kMostDefinitionBytes = std::size_t{4} << 20;
 
 Result<GestureDefinitions> read_definitions(const std::filesystem::path& path) {
     if (path.empty()) return GestureDefinitions{};
-    std::ifstream file(path, std::ios::binary);
-    const std::string text(std::istreambuf_iterator<char>(file), {});
-    if (!file || file.bad()) return fail("could not be read", path.string());
+    KINO_ASSIGN(const std::string text, read_file_text(path, kMostDefinitionBytes));
     return gestures_from_json(text, path.string());
 }
 

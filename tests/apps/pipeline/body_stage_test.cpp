@@ -111,6 +111,9 @@ TEST(BodyStage, WhatCannotBeHadIsNamed) {
                                testing::HasSubstr("none.forest")));
     EXPECT_THAT(problem({.mode = BodyMode::recorded, .gestures = temp / "none.json"}),
                 testing::HasSubstr("none.json"));
+    // It has no end.
+    EXPECT_THAT(problem({.mode = BodyMode::recorded, .gestures = "/dev/zero"}),
+                testing::HasSubstr("not a regular file"));
     const std::string wrong = temp.write("wrong.json", R"({"kinoscope_gestures": 1, "yawn": {}})");
     EXPECT_THAT(problem({.mode = BodyMode::recorded, .gestures = wrong}),
                 testing::HasSubstr("yawn"));
