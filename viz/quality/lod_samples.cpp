@@ -72,7 +72,7 @@ LodFixList add_edge_list(graph::FrameGraph& graph, const SampleTargets& samples,
             }
             c.commands().end_rendering();
         });
-    return add_pixel_list(graph, "edges", rank, view, share, 1);
+    return add_pixel_list(graph, "edges/list", rank, view, share, 1);
 }
 
 shared::LodParams fine_eq1_params(const View& view, const FramebufferLodOptions& options) {

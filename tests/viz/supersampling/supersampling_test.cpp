@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 
+#include "tests/scenes/depth_scene.h"
 #include "tests/viz/forward/picture_test.h"
+#include "viz/surface/mesh_shapes.h"
 
 namespace kino::test {
 namespace {
@@ -210,6 +213,47 @@ TEST_F(SupersamplingTest, EdgesAgainstTheSky) {
     }
     EXPECT_GT(changed, 150);
     EXPECT_LE(off, 6);
+}
+
+// Between a mesh and the live frame: the mesh's share of samples of its colour, and of the live
+// frame's the rest.
+TEST_F(SupersamplingTest, EdgesBeforeTheLiveFrame) {
+    auto loaded = load_recording("recordings/desk");
+    ASSERT_TRUE(loaded);
+    Scene scene = std::move(loaded->scene);
+    scene.color_mode = ColorMode::captured;
+    const View view = sensor_view(loaded->rig.depth, scene.live->world_from_depth, 120, 90);
+    const Image<Rgba8> live = draw(scene, view, {}).picture;
+    scene.materials = {
+        {.name = "plate", .base_color = {0.05f, 0.8f, 0.1f}, .kind = MaterialKind::unlit}};
+    MeshNode plate{.id = 1, .mesh = make_box({0.16f, 0.11f, 0.001f}), .material = 1};
+    plate.world_from_object = glm::rotate(
+        (scene.live->world_from_depth * Pose{.rotation = {1, 0, 0, 0}, .translation = {0, 0, 0.3}})
+            .matrix(),
+        0.4, glm::dvec3(0, 0, 1));
+    plate.previous_world_from_object = plate.world_from_object;
+    scene.meshes = {plate};
+    Scene alone = scene;
+    alone.live.reset();
+    const auto outlines = sample_pictures(alone, view);
+    const Image<Rgba8> got = draw(scene, view, edges_at(1)).picture;
+    const Rgba8 green = draw(alone, view, {}).picture.at(60, 45);
+    int mixed = 0, off = 0;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+        glm::dvec3 sum(0);
+        int covered = 0;
+        for (const auto& seen : outlines) {
+            const bool in = largest(numbers(seen.pixels()[i]) - numbers(green)) < 4;
+            covered += in;
+            const Rgba8 c = in ? green : live.pixels()[i];
+            sum += glm::dvec3(linear_of(c.r), linear_of(c.g), linear_of(c.b)) / 4.0;
+        }
+        mixed += covered % 4 != 0;
+        const glm::dvec3 want(coded_of(sum.r), coded_of(sum.g), coded_of(sum.b));
+        off += largest(numbers(got.pixels()[i]) - want) > 3;
+    }
+    EXPECT_GT(mixed, 80);
+    EXPECT_LE(off, mixed / 20);
 }
 
 }  // namespace
