@@ -210,6 +210,7 @@ constexpr std::pair<std::string_view, std::string_view> kFindings[] = {
     {"vertex-pulling", "fetch"},
     {"vertex-pulling", "culling shape"},
     {"zoom", "frame takes, ms"},
+    {"zoom", "who chooses z"},
 };
 
 const PageEntry* entry_of(std::span<const PageEntry> entries, std::string_view bench) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/bench/registry.h"
+#include "apps/bench/zoom_choosers.h"
 #include "apps/bench/zoom_heads.h"
 #include "viz/frame/renderer.h"
 #include "viz/quality/edge_band.h"
@@ -428,6 +429,7 @@ void bench_zoom(BenchContext& context) {
     context.claim(fmt::format("copy-bound: z = 2 takes {:.2f} times as long as z = 1",
                               scenes.ms()[1] / scenes.ms()[0]),
                   scenes.ms()[1] > scenes.ms()[0]);
+    bench_zoom_choosers(context, renderer);
     sync_curve(context);
     bench_zoom_heads(context);
     context.note(fmt::format(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -23,6 +24,15 @@ constexpr std::int64_t kUnsettled = 1;
 constexpr int kCalibration = 4;
 /// Every so often all groups are measured at once, which costs a fence each.
 constexpr std::int64_t kFullMeasure = 32;
+/// Costs before anything like it was drawn: of a pixel, and as parts of that of one with a surface,
+/// of one light's lobe on it, and of one light's shadow.
+constexpr double kPixelMs = 1e-5;
+constexpr std::array kOfPixel = {1.0, 1.0, 0.5, 2.0};
+/// A group's measurements are of one load where they differ by less, and were made so many frames
+/// before a change of z at most.
+constexpr double kAlike = 0.25;
+constexpr std::int64_t kJustBefore = 3, kBefore = 16;
+constexpr int kPoints = 6;
 /// Enlarging before it was ever measured, docs/accuracy/zoom.md, ns a pixel.
 constexpr double kCopyNs = 2;
 /// One frame that takes more than this many times what was expected may be a hiccup.
@@ -62,22 +72,32 @@ double ZoomChooser::Group::ms_at(int zoom) const {
     return ms * share(zoom) / share(z);
 }
 
-void ZoomChooser::Group::measured(double new_ms, int zoom) {
+void ZoomChooser::Group::measured(double new_ms, int zoom, std::int64_t now) {
+    const bool alike = std::abs(new_ms - mean_ms) <= kAlike * mean_ms;
     if (zoom != z) {
-        then_ms = ms;
+        // Up it goes where a load came, so only what was measured just before is of that load.
+        then_ms = now - frame <= (zoom > z ? kJustBefore : kBefore) ? mean_ms : -1;
         then_z = z;
+        part_then = part;
+        points = 0;
+    } else if (!alike) {
+        then_ms = -1;
+        points = 0;
     }
+    points = std::min(points + 1, kPoints);
+    mean_ms = points == 1 ? new_ms : mean_ms + (new_ms - mean_ms) / points;
     ms = new_ms;
     z = zoom;
+    frame = now;
     if (then_ms < 0) return;
-    // Two points of one line, if the load stayed: half of what they say against what was known.
     const double u = 1.0 / (z * z), then_u = 1.0 / (then_z * then_z);
-    const double slope = std::max(0.0, (then_ms - ms) / (then_u - u));
-    const double offset = std::max(0.0, ms - slope * u);
-    if (slope + offset > 0) {
-        part += (part_known ? 0.5 : 1) * (slope / (slope + offset) - part);
-        part_known = true;
-    }
+    const double slope = std::max(0.0, (then_ms - mean_ms) / (then_u - u));
+    const double offset = std::max(0.0, mean_ms - slope * u);
+    if (!(slope + offset > 0)) return;
+    const double line = slope / (slope + offset);
+    part = part_known ? 0.5 * (part_then + line) : line;
+    if (points < kPoints) return;
+    part_known = true;
     then_ms = -1;
 }
 
@@ -194,9 +214,12 @@ void ZoomChooser::react(const FrameResult& result, double frame_ms) {
                      .part = meshes                         ? 0.5
                              : goes_with_pixels(time.group) ? 1.0
                                                             : 0.0,
-                     .part_known = !meshes};
+                     .part_known = !meshes,
+                     .mean_ms = time.ms,
+                     .points = 1,
+                     .frame = frames_};
         } else if (measured) {
-            group.measured(time.ms, choice_.z);
+            group.measured(time.ms, choice_.z, frames_);
         }
         const double share = 1 - group.part + group.part / (choice_.z * choice_.z);
         all_ms += group.ms_at(choice_.z);
@@ -210,12 +233,15 @@ void ZoomChooser::react(const FrameResult& result, double frame_ms) {
 }
 
 void ZoomChooser::calibrate(const FrameResult& result, double frame_ms) {
-    // The quickest of a few frames: pipelines and caches are still being filled. Costs of what is
-    // not there in these frames stay guesses.
-    const auto least = [&](double& cost, double ms, double work) {
+    // The quickest of a few frames: pipelines and caches are still being filled.
+    if (calibrated_ == 0) {
+        start_.frame = 0;
+        start_.pixel = {0, 0, 0, 0};
+    }
+    const auto least = [](double& cost, double ms, double work) {
         if (!(work > 0)) return;
         const double now = std::max(1e-12, ms / work);
-        cost = calibrated_ == 0 ? now : std::min(cost, now);
+        cost = cost > 0 ? std::min(cost, now) : now;
     };
     double rest = frame_ms, light = 0, picture = 0, shadows = 0;
     for (const graph::GroupTime& time : result.report.groups) {
@@ -233,14 +259,19 @@ void ZoomChooser::calibrate(const FrameResult& result, double frame_ms) {
             start_.vertex *= shrink, start_.triangle *= shrink, start_.draw *= shrink;
         }
     }
-    if (calibrated_ == 0) start_.pixel = {1e-5, 1e-5, 1e-6, 1e-5};
     least(start_.frame, std::max(0.1, rest), 1);
     least(start_.pixel[0], picture, work_.pixels);
     least(start_.pixel[1], 0.3 * light, work_.covered);
     least(start_.pixel[2], 0.7 * light, work_.lobes);
     least(start_.pixel[3], shadows, work_.shadowed);
+    if (++calibrated_ < kCalibration) return;
     start_.copy = std::max(1e-3, enlarging_ms());
-    if (++calibrated_ == kCalibration) predictive_.emplace(rules(), start_);
+    // What was not there in these frames is guessed from what a pixel takes here.
+    const double pixel = start_.pixel[0] > 0 ? start_.pixel[0] : kPixelMs;
+    for (std::size_t i = 0; i < start_.pixel.size(); ++i) {
+        if (!(start_.pixel[i] > 0)) start_.pixel[i] = kOfPixel[i] * pixel;
+    }
+    predictive_.emplace(rules(), start_);
 }
 
 void ZoomChooser::learn(const FrameResult& result, double frame_ms) {

@@ -49,16 +49,21 @@ class ZoomChooser {
     [[nodiscard]] std::string words() const;
 
   private:
-    /// One group of passes of a frame, by name and occurrence.
+    /// One group of passes of a frame, by name and occurrence. What part of it goes with pixels is
+    /// learnt from the measurements before and after a change of z, if the load stayed.
     struct Group {
-        double ms = 0;    ///< newest measurement
-        int z = 1;        ///< it was made at
-        double part = 1;  ///< of its time at z = 1, that goes with 1/z^2
-        bool part_known = true;
-        double then_ms = -1;  ///< last measurement at another zoom; below 0: none
+        double ms = 0;           ///< newest measurement
+        int z = 1;               ///< it was made at
+        double part = 1;         ///< of its time at z = 1, that goes with 1/z^2
+        bool part_known = true;  ///< else a guess that the first change replaces
+        double mean_ms = 0;      ///< of measurements at z that are much alike
+        int points = 0;          ///< in the mean
+        std::int64_t frame = 0;  ///< of the newest
+        double then_ms = -1;     ///< mean before the last change of z; below 0: says nothing
         int then_z = 1;
+        double part_then = 1;
         [[nodiscard]] double ms_at(int zoom) const;
-        void measured(double new_ms, int zoom);
+        void measured(double new_ms, int zoom, std::int64_t now);
     };
 
     [[nodiscard]] ZoomRules rules() const;
