@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <fstream>
-#include <sstream>
+#include <string>
+
+#include "sensor/file_bytes.h"
 
 namespace kino {
 namespace {
@@ -73,12 +74,9 @@ Result<JointRecording> parse_joint_recording(std::string_view text, const std::s
 }
 
 Result<JointRecording> read_joint_recording(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return fail("cannot be opened", path.string());
-    std::ostringstream text;
-    text << file.rdbuf();
-    if (file.bad()) return fail("cannot be read", path.string());
-    return parse_joint_recording(text.str(), path.string());
+    constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+    KINO_ASSIGN(const std::string text, read_file_text(path, kMostBytes));
+    return parse_joint_recording(text, path.string());
 }
 
 }  // namespace kino

@@ -50,6 +50,7 @@ TEST(JointRecording, NamesWhatIsWrong) {
     EXPECT_NE(error(kHeader + long_line).find("line 2"), std::string::npos);
     EXPECT_NE(error(kHeader + "1.5" + line_of(0)).find("line 2"), std::string::npos);
     EXPECT_FALSE(read_joint_recording("tests/data/motion/none.csv"));
+    EXPECT_FALSE(read_joint_recording("/dev/zero")) << "it has no end";
 }
 
 TEST(JointRecording, SurvivesMutations) {
