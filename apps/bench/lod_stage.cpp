@@ -284,6 +284,8 @@ Result<void> LodPlayer::draw(What what, const FramebufferLodOptions& options,
         const LodFinish finish{.target = target(graph)};
         const TextureId linear = what == What::resized ? shade(graph, coarse.surface, coarse.view)
                                                        : imported(graph, "shaded", coarse_);
+        // Picking is part of it, also where the picture is shaded already.
+        if (coarse.view.width != view.width) graph.require(coarse.surface.albedo);
         out = add_reconstruction(graph, linear, coarse, fine, view, options, nullptr,
                                  what == What::finished ? &finish : nullptr);
     }

@@ -181,6 +181,22 @@ LodRig::Finished LodRig::finish(const LodScene& scene, const FramebufferLodOptio
     return finished;
 }
 
+Image<float> LodRig::guided_depth(const Image<float>& depth, const Image<Rgba8>& color,
+                                  const GuidedDepthOptions& options) {
+    Frame frame{device_, FrameGraph(executor_.history()), {}};
+    const TextureId from = frame.texture(depth, VK_FORMAT_R32_SFLOAT);
+    const TextureId by = frame.texture(color, VK_FORMAT_R8G8B8A8_UNORM);
+    const gpu::Buffer* host = frame.read_back(add_guided_depth(frame.graph, from, by, options), 4);
+    Image<float> out(color.width(), color.height());
+    const auto report = executor_.run(frame.graph, graph::Timing::frame);
+    if (!report) {
+        ADD_FAILURE() << report.error().to_string();
+        return out;
+    }
+    std::memcpy(out.data(), host->mapped(), out.size() * 4);
+    return out;
+}
+
 LodResult LodRig::run(const LodScene& scene, const FramebufferLodOptions& options,
                       const LodShading& shading) {
     Frame frame{device_, FrameGraph(executor_.history()), {}};

@@ -9,6 +9,7 @@
 #include "tests/reference/lod_reference.h"
 #include "viz/graph/executor.h"
 #include "viz/quality/framebuffer_lod.h"
+#include "viz/quality/guided_depth.h"
 #include "viz/quality/lod_fix_shared.h"
 #include "viz/scene/scene.h"
 
@@ -62,6 +63,9 @@ class LodRig {
     };
     [[nodiscard]] Finished finish(const LodScene& scene, const FramebufferLodOptions& options,
                                   const LodShading& shading, const Scene& rules);
+    /// add_guided_depth() of these pictures; R32F bits.
+    [[nodiscard]] Image<float> guided_depth(const Image<float>& depth, const Image<Rgba8>& color,
+                                            const GuidedDepthOptions& options);
     [[nodiscard]] const gpu::Pipelines& pipelines() const { return pipelines_; }
     void set_poison(bool poisons) { executor_.set_poison(poisons); }
 
