@@ -60,11 +60,12 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
     SceneBvhPasses bvh;
     const bool rays = wants_ray_shadows(scene) && (options.lists.parts & kShadowedLights) != 0;
     if (rays) bvh = parts.bvh.add(graph);
-    // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
-    const bool emits_apart =
-        lod && lod->fine_grained && surface.object.valid() && wants_emission(scene);
     const bool by_regions =
         options.regions && allows_regions(lod.value_or(FramebufferLodOptions{}));
+    // Fine-grained LOD knows light by what surfaces return of it; what they emit is added after it.
+    const bool resizes_all = lod || by_regions;
+    const bool emits_apart = resizes_all && lod.value_or(FramebufferLodOptions{}).fine_grained &&
+                             surface.object.valid() && wants_emission(scene);
     RayShadows shadows;
     const auto shade = [&](const SurfaceTargets& at, const View& seen_from) {
         const float off_surface = coarse ? coarse->off_surface : 0.0f;
@@ -89,9 +90,9 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                .shadow_masks = shadows.masks,
                                .emission = !emits_apart});
     };
+    const bool drawn_over =
+        wants_blended(scene) || samples.valid() || (opaque_kinds(scene) & kForwardKinds) != 0;
     if (coarse) {
-        const bool drawn_over =
-            wants_blended(scene) || samples.valid() || (opaque_kinds(scene) & kForwardKinds) != 0;
         const bool resized = coarse->view.width != view.width || coarse->view.height != view.height;
         const bool finishes = options.finish && resized && !fixes && !emits_apart && !drawn_over;
         (finishes ? stage.picture : stage.linear) =
@@ -109,14 +110,14 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                            .emission = !emits_apart},
                                           list, stage.linear);
         }
-        // What is drawn over it needs it; else the last pass adds it on the way.
-        if (emits_apart && !drawn_over) {
-            stage.emitting = surface.object;
-        } else if (emits_apart) {
-            stage.linear = add_emission_pass(graph, scene, surface.object, stage.linear);
-        }
     } else {
         stage.linear = shade(surface, view);
+    }
+    // What is drawn over it needs it; else the last pass adds it on the way.
+    if (emits_apart && !drawn_over) {
+        stage.emitting = surface.object;
+    } else if (emits_apart) {
+        stage.linear = add_emission_pass(graph, scene, surface.object, stage.linear);
     }
     if ((opaque_kinds(scene) & kForwardKinds) != 0) {
         MeshLight light = make_mesh_light(graph, scene, view, stage.lists);
@@ -127,10 +128,10 @@ Stage add_stage(graph::FrameGraph& graph, const Scene& scene, const View& view,
                                       stage.lists, bvh, options.shadows);
         }
         if (!lod) light.shadow_masks = shadows.masks;
-        const ForwardTargets drawn_over = add_forward_pass(
-            graph, scene, view, parts.meshes, light, kForwardKinds, {stage.linear, stage.depth});
-        stage.linear = drawn_over.linear;
-        stage.depth = drawn_over.depth;
+        const ForwardTargets forward = add_forward_pass(graph, scene, view, parts.meshes, light,
+                                                        kForwardKinds, {stage.linear, stage.depth});
+        stage.linear = forward.linear;
+        stage.depth = forward.depth;
     }
     if (samples.valid()) {
         stage.linear =

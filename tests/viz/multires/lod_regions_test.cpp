@@ -317,6 +317,32 @@ TEST_F(VizTest, TheLimitTradesErrorForWork) {
     EXPECT_GT(same_before, full.linear.size() / 500);
 }
 
+// What materials emit is no light that could be coarse: beside a colour so dark that light could
+// not be told from it, it would be lost.
+TEST_F(VizTest, EmissionIsNotResizedWithTiles) {
+    Renderer renderer(device());
+    Scene scene = parts_scene();
+    scene.lights.resize(1);
+    for (Material& material : scene.materials) material.base_color = glm::vec3(0.001f);
+    scene.materials[1].emission = {0.5f, 0.2f, 0.1f};
+    scene.materials[2].emission = {0.1f, 0.3f, 0.6f};
+    FrameOptions options;
+    const auto full = renderer.render_to_image(scene, parts_view(), options);
+    options.regions = RegionLodOptions{.limit = kNever, .doubt_share = kNever};
+    const auto tiles = renderer.render_to_image(scene, parts_view(), options);
+    ASSERT_TRUE(full && tiles);
+    int most = 0;
+    int brightest = 0;
+    for (std::size_t i = 0; i < full->picture.size(); ++i) {
+        const Rgba8 a = full->picture.pixels()[i];
+        const Rgba8 b = tiles->picture.pixels()[i];
+        most = std::max({most, std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+        brightest = std::max<int>(brightest, a.r);
+    }
+    EXPECT_GT(brightest, 150);
+    EXPECT_LE(most, 3);
+}
+
 // What stayed coarse at one level is not looked at in the next.
 TEST_F(VizTest, TilesLieInTilesOfTheLevelBefore) {
     StageRig& rig = shared_rig(device());
