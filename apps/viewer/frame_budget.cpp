@@ -202,6 +202,7 @@ const FrameChoice& FrameBudget::begin_frame(const Scene& scene, const View& view
     const bool varies = replays_ || options_.mode == GovernorMode::automatic;
     if (choice_.lod > 1 || (varies && frame.samples > 1)) {
         frame.lod = FramebufferLodOptions{.r = choice_.lod,
+                                          .least_r = varies ? kLeastResizing : 0,
                                           .fix_share = static_cast<float>(options_.fix_share)};
         if (choice_.bilinear) {
             frame.lod->reconstruction = Reconstruction::bilinear;

@@ -37,8 +37,16 @@ constexpr std::array kZoomErrors = {ZoomError{1, 0},      ZoomError{2, 0.0460},
                                     ZoomError{6, 0.0800}, ZoomError{8, 0.0900}};
 
 /// About a fifth fewer samples from each to the next.
-constexpr std::array kResizings = {1.0, 1.125, 1.25, 1.375, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75,
-                                   3.0, 3.5,   4.0,  4.5,   5.0, 5.5,  6.0, 7.0,  8.0};
+constexpr std::array kResizings = {1.0,  kLeastResizing,
+                                   1.25, 1.375,
+                                   1.5,  1.75,
+                                   2.0,  2.25,
+                                   2.5,  2.75,
+                                   3.0,  3.5,
+                                   4.0,  4.5,
+                                   5.0,  5.5,
+                                   6.0,  7.0,
+                                   8.0};
 /// Without guides few are worth a try.
 constexpr std::array kBilinearResizings = {1.5, 2.0, 3.0, 4.0, 6.0, 8.0};
 

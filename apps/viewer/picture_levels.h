@@ -20,6 +20,9 @@ struct PictureLevel {
     friend bool operator==(const PictureLevel&, const PictureLevel&) = default;
 };
 
+/// The least resizing factor above 1 that is offered.
+constexpr double kLeastResizing = 1.125;
+
 /// What is offered, best first. `staged`: light can be resized on its own.
 [[nodiscard]] std::vector<PictureLevel> picture_levels(bool staged, int most_zoom);
 

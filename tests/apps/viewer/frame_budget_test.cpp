@@ -401,6 +401,27 @@ TEST(FrameBudget, OffLeavesTheOptionsAloneAndFixedSetsThem) {
     ASSERT_EQ(fixed.log().size(), 1u);
 }
 
+TEST(FrameBudget, MemoryIsMadeForAllFactorsAtOnceWhereTheyVary) {
+    Plant plant{.light_ms = 100};
+    Play run(automatic(60));
+    int resized = 0;
+    for (int i = 0; i < 60; ++i) {
+        FrameOptions options;
+        run.budget.begin_frame(run.scene, run.view, options);
+        const FrameResult result = plant.draw(options);
+        run.budget.frame_took(result, result.ms);
+        if (!options.lod) continue;
+        ++resized;
+        for (const PictureLevel& level : picture_levels(true, 2)) {
+            if (level.lod > 1) {
+                ASSERT_LE(options.lod->least_r, level.lod);
+            }
+        }
+        ASSERT_GT(options.lod->least_r, 1);
+    }
+    EXPECT_GT(resized, 40);
+}
+
 TEST(FrameBudget, OffersOnlyWhatTheSceneCallsFor) {
     Plant plant{.light_ms = 100};
     Play run(automatic(20));
