@@ -223,17 +223,26 @@ TEST_F(SupersamplingTest, EdgesBeforeTheLiveFrame) {
     Scene scene = std::move(loaded->scene);
     scene.color_mode = ColorMode::captured;
     const View view = sensor_view(loaded->rig.depth, scene.live->world_from_depth, 120, 90);
-    const Image<Rgba8> live = draw(scene, view, {}).picture;
     scene.materials = {
-        {.name = "plate", .base_color = {0.05f, 0.8f, 0.1f}, .kind = MaterialKind::unlit}};
+        {.name = "plate", .base_color = {0.05f, 0.8f, 0.1f}, .kind = MaterialKind::unlit},
+        {.name = "behind", .base_color = {0.9f, 0.1f, 0.1f}, .kind = MaterialKind::unlit}};
+    // Behind all that is live: seen through its holes alone.
+    MeshNode behind{.id = 2, .mesh = make_box({90, 90, 0.1f}), .material = 2};
+    behind.world_from_object =
+        (scene.live->world_from_depth * Pose{.rotation = {1, 0, 0, 0}, .translation = {0, 0, 20}})
+            .matrix();
+    behind.previous_world_from_object = behind.world_from_object;
+    scene.meshes = {behind};
+    const Image<Rgba8> live = draw(scene, view, {}).picture;
     MeshNode plate{.id = 1, .mesh = make_box({0.16f, 0.11f, 0.001f}), .material = 1};
     plate.world_from_object = glm::rotate(
         (scene.live->world_from_depth * Pose{.rotation = {1, 0, 0, 0}, .translation = {0, 0, 0.3}})
             .matrix(),
         0.4, glm::dvec3(0, 0, 1));
     plate.previous_world_from_object = plate.world_from_object;
-    scene.meshes = {plate};
+    scene.meshes = {plate, behind};
     Scene alone = scene;
+    alone.meshes = {plate};
     alone.live.reset();
     const auto outlines = sample_pictures(alone, view);
     const Image<Rgba8> got = draw(scene, view, edges_at(1)).picture;
