@@ -100,7 +100,7 @@ void turn_knobs(BenchContext& context, gpu::Device& device, const LodStage& stag
                          .ms_median = time.median_ms(),
                          .ms_p95 = time.p95_ms(),
                          .error = error,
-                         .metric = metric});
+                         .metric = fmt::format("{}: {}", stage.name, metric)});
         };
         row(difference->psnr_db, "dB PSNR");
         row(flip->mean, "mean FLIP");

@@ -49,6 +49,12 @@ class PlotAxis {
     }
 
     [[nodiscard]] bool logarithmic() const { return log_; }
+    /// With as many decimals as tell it from the next tick.
+    [[nodiscard]] std::string label(double tick) const {
+        const double decimals = log_ ? 0 : -std::floor(std::log10(step_) + 1e-9);
+        if (decimals < 1 || decimals > 6 || std::abs(tick) >= 1e6) return short_number(tick);
+        return fmt::format("{:.{}f}", tick, static_cast<int>(decimals));
+    }
     [[nodiscard]] double at(double value) const {
         const double t = log_ ? std::log(value / least_) / std::log(most_ / least_)
                               : (value - least_) / (most_ - least_);
@@ -125,13 +131,13 @@ std::string axes_of(const PagePlot& plot, const PlotAxis& x, const PlotAxis& y) 
         text += fmt::format(
             "<path class=\"g\" d=\"M{0:.1f} {1}V{2}\"/><text x=\"{0:.1f}\" "
             "y=\"{3}\" text-anchor=\"middle\">{4}</text>",
-            x.at(tick), kTop, bottom, bottom + 14, short_number(tick));
+            x.at(tick), kTop, bottom, bottom + 14, x.label(tick));
     }
     for (const double tick : y.ticks()) {
         text += fmt::format(
             "<path class=\"g\" d=\"M{1} {0:.1f}H{2}\"/><text x=\"{3}\" "
             "y=\"{4:.1f}\" text-anchor=\"end\">{5}</text>",
-            y.at(tick), kLeft, right, kLeft - 6, y.at(tick) + 3.5, short_number(tick));
+            y.at(tick), kLeft, right, kLeft - 6, y.at(tick) + 3.5, y.label(tick));
     }
     text += fmt::format("<path class=\"a\" d=\"M{} {}V{}H{}\"/>", kLeft, kTop, bottom, right);
     const auto scale = [](const PlotAxis& axis) { return axis.logarithmic() ? ", log scale" : ""; };
@@ -219,7 +225,7 @@ std::string svg_of_named(const PagePlot& plot) {
         text += fmt::format(
             "<path class=\"g\" d=\"M{0:.1f} 0V{1:.1f}\"/><text x=\"{0:.1f}\" y=\"{2:.1f}\" "
             "text-anchor=\"middle\">{3}</text>",
-            x.at(tick), bottom, bottom + 14, short_number(tick));
+            x.at(tick), bottom, bottom + 14, x.label(tick));
     }
     text += fmt::format(
         "<path class=\"a\" d=\"M{} {}H{}\"/><text class=\"n\" x=\"{}\" y=\"{}\" "
