@@ -321,15 +321,21 @@ class MultiBench {
     }
 
     void regions() {
+        const double full = setting(grid_name(1, 1)).ms;
         double best = std::numeric_limits<double>::infinity();
         std::string best_name;
         for (const Setting& s : settings_) {
-            if (!s.name.starts_with("tiles")) continue;
+            // What is no quicker than shading all of it says nothing.
+            if (!s.name.starts_with("tiles") || s.ms > 0.95 * full) continue;
             const double ratio = s.mse / equal_error(s.ms);
-            if (ratio < best) {
-                best = ratio;
-                best_name = s.name;
-            }
+            if (ratio >= best) continue;
+            best = ratio;
+            best_name = s.name;
+        }
+        if (best_name.empty()) {
+            context_.note(fmt::format(
+                "{}: no resizing by tiles is quicker than shading every pixel.", stage_.name));
+            return;
         }
         context_.note(fmt::format(
             "{}: resizing by tiles is at its best with \"{}\", {:.2f} times the error of one "
