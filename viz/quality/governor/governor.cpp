@@ -101,7 +101,7 @@ void Governor::note_failure() {
 void Governor::change(std::vector<std::size_t> to, double cost_ms, int waited) {
     choice_ = std::move(to);
     tried_ms_ = cost_ms;
-    frames_since_change_ = 0;
+    frames_since_change_ = calm_frames_ = 0;
     late_in_a_row_ = 0;
     up_waited_ = waited;
     ++changes_;
@@ -128,8 +128,9 @@ void Governor::reconsider(const std::vector<std::vector<Level>>& levels, bool at
     // half as long as the last that failed.
     const int again =
         frames_since_failure_ < patience_ ? std::max(1, patience_ / (2 * options_.calm_frames)) : 1;
-    const auto try_better = [&](const std::vector<std::vector<Level>>& among, int calm) {
-        if (frames_since_change_ < again * calm) return false;
+    const auto try_better = [&](const std::vector<std::vector<Level>>& among, int calm_for,
+                                int calm) {
+        if (calm_for < again * calm) return false;
         auto better = choose_levels(among, most);
         const Level then = sum_of(levels, better);
         if (!(then.error < (1 - options_.least_gain) * now.error)) return false;
@@ -141,8 +142,12 @@ void Governor::reconsider(const std::vector<std::vector<Level>>& levels, bool at
         change(std::move(better), then.cost_ms, wins_nothing ? 0 : again * calm);
         return true;
     };
-    if (try_better(levels, options_.calm_frames) || !(options_.small_step > 0)) return;
-    try_better(near(levels), options_.small_calm_frames);
+    if (try_better(levels, calm_frames_, options_.calm_frames)) return;
+    if (!(options_.small_step > 0)) return;
+    const int calm_for = calm_frames_;
+    if (try_better(near(levels), frames_since_change_, options_.small_calm_frames)) {
+        calm_frames_ = calm_for;
+    }
 }
 
 std::span<const std::size_t> Governor::begin_frame(std::span<const PartOffer> wanted, bool jump) {
@@ -153,7 +158,7 @@ std::span<const std::size_t> Governor::begin_frame(std::span<const PartOffer> wa
     if (options_.mode == GovernorMode::automatic) {
         if (new_parts) {
             choice_.assign(offered_.size(), 0);
-            late_in_a_row_ = frames_since_change_ = up_waited_ = 0;
+            late_in_a_row_ = frames_since_change_ = calm_frames_ = up_waited_ = 0;
         }
         reconsider(levels, new_parts || jump);
     } else {
@@ -181,6 +186,7 @@ void Governor::part_took(std::string_view name, double ms) {
 
 void Governor::frame_took(double ms, bool says_nothing) {
     ++frames_since_change_;
+    ++calm_frames_;
     ++frames_since_failure_;
     if (says_nothing || !std::isfinite(ms) || ms < 0) return;
     late_in_a_row_ = ms > options_.late_above * options_.target_ms ? late_in_a_row_ + 1 : 0;

@@ -106,7 +106,8 @@ class Governor {
     double estimated_error_ = 0;
     int late_in_a_row_ = 0;
     int frames_since_change_ = 0;
-    int up_waited_ = 0;  ///< frames that the last change waited, if it was to better; else 0
+    int calm_frames_ = 0;  ///< since a change that was no small step to better
+    int up_waited_ = 0;    ///< frames that the last change waited, if it was to better; else 0
     std::vector<std::size_t> failed_;  ///< the choice that had to be taken back last
     double tried_ms_ = 0;              ///< what the last change was thought to take
     double failed_ms_ = 0;             ///< and the one that failed
