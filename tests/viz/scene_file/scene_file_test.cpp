@@ -176,6 +176,21 @@ TEST(SceneFileTest, MistakesNameTheirJsonPointerAndWhatIsAllowed) {
         {R"("roles": [{"joints": ["head", "head"], "light": {}}])", "#/roles/0/joints", "differ"},
         {R"("roles": [{"light": {"kind": "directional"}}])", "#/roles/0/light/kind", "has a place"},
         {R"("roles": [{"trail": {"lights": 257}}])", "#/roles/0/trail/lights", "from 1 to 256"},
+        {R"("lights": [{"at_m": [0, 1, 2, 3]}])", "#/lights/0/at_m", "3 numbers"},
+        {R"("lights": [{"color": "#ff800000"}])", "#/lights/0/color", "colour"},
+        {R"("lights": [{"kind": "directional", "indirect": true}])", "#/lights/0/indirect",
+         "only spots"},
+        {R"("name": "abcdefghijklmnopqrstuvwxyzabcdefghijklmnopqrstuvwxyzabcdefghijklm")", "#/name",
+         "at most 64"},
+        {R"("swarms": [{}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}, {}])",
+         "#/swarms", "at most 16"},
+        {R"("materials": [{"name": "a"}], "meshes": [{}, {"repeat": [{"count": 512}, {"count": 16}]}])",
+         "#", "8193 meshes"},
+        {R"("roles": [{"light": {"only": ["gold"]}}])", "#/roles/0/light/only/0", "no material"},
+        {R"("roles": [{"prop": {"shape": "gltf"}}])", "#/roles/0/prop/file", "gltf"},
+        {R"("roles": [{"prop": {}}])", "#/roles/0/prop/materials", "no material"},
+        {R"("roles": [{"prop": {"materials": ["gold"]}}])", "#/roles/0/prop/materials/0",
+         "no material \"gold\""},
         {R"("quality": {"lod": "fast"})", "#/quality/lod", "a number from 1 to 8, or auto"},
         {R"("quality": {"lod": 0.99})", "#/quality/lod", "a number from 1 to 8, or auto"},
         {R"("quality": {"lod": null})", "#/quality/lod", "a number from 1 to 8, or auto"},
@@ -208,6 +223,30 @@ TEST(SceneFileTest, MistakesNameTheirJsonPointerAndWhatIsAllowed) {
     EXPECT_EQ(scene_file_from_json(R"({"kinoscope_scene": 2})", "x").error().where,
               "x#/kinoscope_scene");
     EXPECT_EQ(scene_file_from_json("[]", "x").error().what, "must be an object");
+}
+
+TEST(SceneFileTest, PointLightsNeedNoDirection) {
+    const auto read = scene_file_from_json(
+        R"({"kinoscope_scene": 1, "lights": [{"direction": [0, 0, 0]}]})", "x");
+    EXPECT_TRUE(read.has_value()) << read.error().to_string();
+}
+
+TEST(SceneFileTest, CountsWhatMayBurnAndStandAtOnce) {
+    SceneFile file;
+    file.meshes = {{}, {.repeat = {{.count = 3}, {.count = 2}}}};
+    file.lights = {{.kind = LightKind::directional}, {}};
+    file.swarms = {{.count = 10, .bead_m = 0.01}, {.count = 5}};
+    file.roles = {
+        {.joints = {Joint::head, Joint::spine},
+         .people = 3,
+         .light = SceneLight{},
+         .trail = SceneTrail{.lights = 4},
+         .prop = SceneProp{.copies = 2}},
+        {.joints = {Joint::head}, .people = 1, .trail = SceneTrail{.lights = 7, .stroke_m = 0}},
+        {.joints = {}, .people = 2, .light = SceneLight{}}};
+    const SceneCount count = largest_count(file);
+    EXPECT_EQ(count.lights, 1 + 15 + (6 + 6 * 4) + 7 + 2 * static_cast<int>(kJointCount));
+    EXPECT_EQ(count.nodes, 7 + 10 + (6 * 4 + 6 * 2));
 }
 
 TEST(SceneFileTest, HostileTextsEndEarly) {
