@@ -2,17 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
+
+#include "sensor/file_bytes.h"
 
 namespace kino {
 namespace {
 
 using Json = nlohmann::json;
 
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;  ///< a summary of a day
 constexpr double kMostLod = 8;
 constexpr std::int64_t kMostZoomLogged = 8;
 
@@ -81,9 +82,7 @@ Result<std::vector<FrameBudget::Logged>> parse_budget_log(const std::string& tex
 }
 
 Result<std::vector<FrameBudget::Logged>> read_budget_log(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return fail("cannot be read", path.string());
-    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    KINO_ASSIGN(const std::string text, read_file_text(path, kMostBytes));
     return parse_budget_log(text, path.string());
 }
 

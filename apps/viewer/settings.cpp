@@ -6,12 +6,15 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
+
+#include "sensor/file_bytes.h"
 
 namespace kino {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;
 
 /// Reads a member if it is there; complains of what does not fit.
 class Reader {
@@ -80,11 +83,10 @@ std::filesystem::path settings_path() {
 
 LoadedSettings load_settings(const std::filesystem::path& path) {
     LoadedSettings out;
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return out;
-    std::ostringstream text;
-    text << file.rdbuf();
-    const Json json = Json::parse(text.str(), nullptr, false);
+    std::error_code error;
+    if (!std::filesystem::exists(path, error)) return out;
+    const auto text = read_file_text(path, kMostBytes);
+    const Json json = text ? Json::parse(*text, nullptr, false) : Json();
     if (!json.is_object()) {
         out.note = fmt::format("{} is damaged; using defaults", path.string());
         return out;
