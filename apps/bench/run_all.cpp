@@ -43,10 +43,12 @@ constexpr std::array kTypical = {
     TypicalTime{"joint-filters", 1, 1},
     TypicalTime{"lbvh", 140, 13},
     TypicalTime{"lod-knobs", 40, 4},
+    TypicalTime{"multiresolution", 60, 15},
     TypicalTime{"one-bounce", 14, 3},
     TypicalTime{"raster", 33, 5},
     TypicalTime{"registration", 34, 3},
     TypicalTime{"skinning", 1, 1},
+    TypicalTime{"supersampling", 40, 10},
     TypicalTime{"vertex-pulling", 40, 7},
     TypicalTime{"zoom", 28, 6},
 };
