@@ -63,7 +63,7 @@ struct SourceSummary {
     std::int64_t device_bytes = 0;
     std::string first_error;
     BodySummary bodies;
-    std::optional<StageSummary> stage;  ///< empty: none was asked for
+    std::optional<StageSummary> stage;         ///< empty: none was asked for
     SceneZoomBy zoom_by = SceneZoomBy::fixed;  ///< who chose the zoom of `levels`
     std::vector<FrameBudget::Logged> levels;
     std::optional<TrueErrorSummary> true_error;  ///< empty: nobody asked

@@ -49,7 +49,7 @@ TEST(GuidedCapture, TakesViewsOfASessionAsIfItWereLive) {
     const test::Ran few = test::run_calibrate(file + " --frames 4", temp);
     EXPECT_EQ(few.exit_code, 1);
     EXPECT_THAT(few.err, HasSubstr("1 view shows the board"));
-    const test::Ran none = test::run_calibrate(file + " --seconds 0.000001", temp);
+    const test::Ran none = test::run_calibrate(file + " --seconds 0.001", temp);
     EXPECT_EQ(none.exit_code, 1);
     EXPECT_THAT(none.err, HasSubstr("was never still, sharp and whole"));
 }
