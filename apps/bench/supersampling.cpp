@@ -146,7 +146,7 @@ void bench_supersampling(BenchContext& context) {
         "that of four shaded samples over it, and the time over theirs.\n\n"
         "| lights | | on edges | of four | time of four | transient MiB |\n"
         "|---:|---|---:|---:|---:|---:|\n";
-    for (const int lights : {60, 300}) {
+    for (const int lights : {60, 400}) {
         const Scene scene = yard(lights);
         context.progress(fmt::format("{} lights: reference", lights));
         // The scene and its view are this program's, as drawing is.
